@@ -118,6 +118,7 @@ def test_bags_that_are_not_read_say_what_to_do(paths, tmp_path):
         shutil.copy(tmp_path / "storage/storage.mcap", loose / f"{name}.mcap")
     shutil.copy(tmp_path / "storage/metadata.yaml", empty)
     expected |= {str(loose): "bags of their own", str(tmp_path): "give each recording's own folder", str(empty): "no file there ends in"}
+    expected[str(ROOT / "rust/magcomp-recordings/tests/sessions/ros2_two_topics.mcap")] = "name one by --topics"
     many = magcomp.process_many(list(expected), progress=False)
     assert many.recordings == [path for path, why in expected.items() if why is None] and len(many) == 100
     for path, why in expected.items():
