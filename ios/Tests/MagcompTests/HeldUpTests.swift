@@ -133,22 +133,27 @@ import Testing
         #expect(last.count == 4 && last[0].droppedBefore > 200 && last[3].sample.timeNs == 300 * stepNs)
     }
 
-    @Test func patienceIsLostAtTheSecondLook() async {
-        let taken = Taken()
-        taken.losePatience()
-        let waits = Task { await taken.atLeast(1) }
+    @Test func patienceIsLostAtTheSecondLookWhereNothingWasTaken() async throws {
+        let answers = (1...5).map { (k: Int64) in
+            CompensatedReading(
+                reading: MagneticReading(status: .tracking),
+                sample: MagneticSample(timeNs: k * stepNs, fieldUt: DeviceVector(x: 20, y: 0, z: -40)))
+        }
+        let reader = Reader(run: 1, capacity: 4, rateHz: nil)
+        #expect(reader.take(answers[...], waits: true).count == 1)
+        reader.losePatience()
+        let waits = Task { await reader.room() }
         // it begins to wait at any time, so it is looked at until it has lost
         let looks = Task {
             while !Task.isCancelled {
-                taken.losePatience()
+                reader.losePatience()
                 await Task.yield()
             }
         }
-        #expect(await waits.value == false)
+        await waits.value
         looks.cancel()
-        taken.upTo(5)
-        #expect(await taken.atLeast(5))
-        taken.end()
-        #expect(await taken.atLeast(1_000_000))
+        #expect(reader.hasStopped)
+        #expect(try await reader.next(isolation: nil)?.sample.timeNs == stepNs)
+        #expect(!reader.hasStopped)
     }
 }
