@@ -121,6 +121,11 @@ public final class Compass: Sendable {
         CompensatedReadings { [readers] in readers.place(capacity: capacity) }
     }
 
+    /// Those that a screen shows: the newest, at most so many a second, and the last.
+    func readings(rateHz: Double) -> CompensatedReadings {
+        CompensatedReadings { [readers] in readers.place(capacity: 1, rateHz: rateHz) }
+    }
+
     /// Saves the calibration now, if it has changed since it was saved: for an app that enters the background, where iOS may end the
     /// app without warning. It waits for nothing, neither for the store nor for a sample that is being worked on, so the main thread may
     /// call it; iOS is asked to let the app live until the store has it.

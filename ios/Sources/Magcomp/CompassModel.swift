@@ -41,6 +41,7 @@ public final class CompassModel {
     private let display: CompassDisplay
     private let runs = SharedRun()
     private var isPreview = false
+    @ObservationIgnored private var shown = CompassState()
 
     public init(compass: Compass, display: CompassDisplay = CompassDisplay()) {
         (self.compass, self.display) = (compass, display)
@@ -73,24 +74,22 @@ public final class CompassModel {
     /// Forgets the learned calibration, in the store too.
     public func reset() { compass.reset() }
 
-    private func show(_ state: CompassState) {
-        set(\.headingDeg, state.headingDeg)
-        set(\.headingSigmaDeg, state.headingSigmaDeg)
-        set(\.trueHeadingDeg, state.trueHeadingDeg)
-        set(\.totalFieldUt, state.totalFieldUt)
-        set(\.systemField, state.systemField)
-        set(\.status, state.status)
-        set(\.coverage, state.coverage)
-        set(\.unseenDirections, state.unseenDirections)
-        set(\.guidance, state.guidance)
-        set(\.isDisturbed, state.isDisturbed)
-        set(\.event, state.event)
-        set(\.reading, state.reading)
-        set(\.error, state.error)
-    }
-
-    /// An equal value tells nobody.
-    private func set<Value: Equatable>(_ path: ReferenceWritableKeyPath<CompassModel, Value>, _ value: Value) {
-        if self[keyPath: path] != value { self[keyPath: path] = value }
+    /// An equal value tells nobody. Asking `shown`, not the model, takes no look at who observes.
+    private func show(_ new: CompassState) {
+        let old = shown
+        shown = new
+        if new.headingDeg != old.headingDeg { headingDeg = new.headingDeg }
+        if new.headingSigmaDeg != old.headingSigmaDeg { headingSigmaDeg = new.headingSigmaDeg }
+        if new.trueHeadingDeg != old.trueHeadingDeg { trueHeadingDeg = new.trueHeadingDeg }
+        if new.totalFieldUt != old.totalFieldUt { totalFieldUt = new.totalFieldUt }
+        if new.systemField != old.systemField { systemField = new.systemField }
+        if new.status != old.status { status = new.status }
+        if new.coverage != old.coverage { coverage = new.coverage }
+        if new.unseenDirections != old.unseenDirections { unseenDirections = new.unseenDirections }
+        if new.guidance != old.guidance { guidance = new.guidance }
+        if new.isDisturbed != old.isDisturbed { isDisturbed = new.isDisturbed }
+        if new.event != old.event { event = new.event }
+        if new.reading != old.reading { reading = new.reading }
+        if new.error != old.error { error = new.error }
     }
 }

@@ -95,8 +95,10 @@ extension Compass {
                 try display.check()
                 if let latest { _ = screen.see(latest) }
                 show(screen.state)
-                // a screen needs the newest alone
-                for try await answer in readings(capacity: 1) where screen.see(answer) { show(screen.state) }
+                var iterator = readings(rateHz: display.rateHz).makeAsyncIterator()
+                while let answer = try await iterator.next(isolation: MainActor.shared) {
+                    if screen.see(answer) { show(screen.state) }
+                }
                 if screen.end() { show(screen.state) }
                 return
             } catch {

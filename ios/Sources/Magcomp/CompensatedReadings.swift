@@ -3,37 +3,29 @@
 public struct CompensatedReadings: AsyncSequence, Sendable {
     public typealias Element = CompensatedReading
 
-    private let begin: @Sendable () -> Readers.Place
+    private let begin: @Sendable () -> Place
 
-    init(_ begin: @escaping @Sendable () -> Readers.Place) { self.begin = begin }
+    init(_ begin: @escaping @Sendable () -> Place) { self.begin = begin }
 
     public func makeAsyncIterator() -> AsyncIterator { AsyncIterator(begin: begin) }
 
     public struct AsyncIterator: AsyncIteratorProtocol {
-        let begin: @Sendable () -> Readers.Place
-        private var numbered: AsyncThrowingStream<Readers.Numbered, any Error>.AsyncIterator?
-        private var taken: Taken?
-        private var expected = 0
+        let begin: @Sendable () -> Place
+        private var place: Place?
 
-        init(begin: @escaping @Sendable () -> Readers.Place) { self.begin = begin }
+        init(begin: @escaping @Sendable () -> Place) { self.begin = begin }
 
         /// Events run, and readings are kept for it from now on.
-        mutating func start() {
-            guard numbered == nil else { return }
-            let place = begin()
-            (numbered, taken) = (place.readings.makeAsyncIterator(), place.taken)
-        }
+        mutating func start() { place = place ?? begin() }
 
-        public mutating func next() async throws -> CompensatedReading? {
+        public mutating func next() async throws -> CompensatedReading? { try await next(isolation: nil) }
+
+        /// As ``next()``, on the caller's actor.
+        public mutating func next(isolation actor: isolated (any Actor)?) async throws -> CompensatedReading? {
             // who was cancelled before it began starts nothing
-            if numbered == nil, Task.isCancelled { return nil }
+            if place == nil, Task.isCancelled { return nil }
             start()
-            guard let (number, kept) = try await numbered?.next() else { return nil }
-            var answer = kept
-            answer.droppedBefore = number - expected
-            expected = number + 1
-            taken?.upTo(expected)
-            return answer
+            return try await place?.next(isolation: actor)
         }
     }
 }

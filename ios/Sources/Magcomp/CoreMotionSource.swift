@@ -77,7 +77,7 @@ public final class CoreMotionSource: MagneticFieldSource {
     public var hiddenS: Double { updates.hiddenS }
 
     public func samples() -> SensorSamples {
-        SensorSamples { [updates] in updates.events() }
+        SensorSamples.batches { [updates] in updates.events() }
     }
 
     /// By how much device motion lately came later than magnetometer events of the same time, seconds: the largest of about
@@ -88,7 +88,7 @@ public final class CoreMotionSource: MagneticFieldSource {
 
 /// One motion manager and everyone who wants its events.
 private final class Updates: @unchecked Sendable {
-    typealias Listener = AsyncThrowingStream<SensorSample, any Error>.Continuation
+    typealias Events = AsyncThrowingStream<[SensorSample], any Error>
 
     private let queue = OperationQueue()
     // what follows is used inside `lock` alone
@@ -97,7 +97,7 @@ private final class Updates: @unchecked Sendable {
     private lazy var manager = make()
     private let ask: @Sendable () -> SensorOptions
     private lazy var options = ask()
-    private var listeners: [Int: Listener] = [:]
+    private var listeners: [Int: Events.Continuation] = [:]
     private var number = 0
     /// Runs of the sensors so far: what an old one still has to say is not of the present one.
     private var run = 0
@@ -118,9 +118,9 @@ private final class Updates: @unchecked Sendable {
         queue.qualityOfService = .userInitiated
     }
 
-    func events() -> AsyncThrowingStream<SensorSample, any Error> {
+    func events() -> Events {
         // no event is dropped before the estimator
-        AsyncThrowingStream(bufferingPolicy: .unbounded) { listener in
+        Events(bufferingPolicy: .unbounded) { listener in
             do {
                 let number = try add(listener)
                 listener.onTermination = { _ in self.remove(number) }
@@ -130,7 +130,7 @@ private final class Updates: @unchecked Sendable {
         }
     }
 
-    private func add(_ listener: Listener) throws -> Int {
+    private func add(_ listener: Events.Continuation) throws -> Int {
         try lock.withLock {
             if listeners.isEmpty { try start() }
             number += 1
@@ -222,15 +222,14 @@ private final class Updates: @unchecked Sendable {
     private func deliver(_ events: [SensorSample], of run: Int, note: () -> Void) {
         // what has no time at all, which Core Motion never reports, tells nothing
         guard !events.isEmpty else { return }
-        let (all, due): ([Listener], [SensorSample]) = lock.withLock {
+        let (all, due): ([Events.Continuation], [SensorSample]) = lock.withLock {
             // they were on their way when their run ended, and another has begun since
             guard run == self.run else { return ([], []) }
             note()
             return (Array(listeners.values), events.flatMap { queued.push($0) })
         }
-        for listener in all {
-            for event in due { listener.yield(event) }
-        }
+        if due.isEmpty { return }
+        for listener in all { listener.yield(due) }
     }
 
     var lagS: Double? { lock.withLock { lag.seconds } }
@@ -246,7 +245,7 @@ private final class Updates: @unchecked Sendable {
         let failure: SensorError =
             refused
             ? .accessRefused(sensor: sensor) : .refused(sensor: sensor, reason: "\(reason.domain) \(reason.code)")
-        let (all, rest): ([Listener], [SensorSample]) = lock.withLock {
+        let (all, rest): ([Events.Continuation], [SensorSample]) = lock.withLock {
             // the other sensor's error came first, and another run has begun since
             guard run == self.run, !listeners.isEmpty else { return ([], []) }
             defer { listeners = [:] }
@@ -255,7 +254,7 @@ private final class Updates: @unchecked Sendable {
         }
         // outside the lock: this calls `remove`
         for listener in all {
-            for event in rest { listener.yield(event) }
+            listener.yield(rest)
             listener.finish(throwing: failure)
         }
     }

@@ -106,11 +106,13 @@ final class Estimation: @unchecked Sendable {
         }
     }
 
-    /// The answer to a magnetometer sample; nil for any other event.
-    func push(_ event: SensorSample) throws -> CompensatedReading? {
+    /// Appends the answers to the magnetometer samples among events.
+    func push(_ events: [SensorSample], _ answers: inout [CompensatedReading]) throws {
         try lock.withLock {
             guard compensator != nil else { throw defect ?? MagcompError.closed }
-            return try use { try push(event, to: $0) }.flatMap { $0 }
+            for event in events {
+                if let answer = try use({ try push(event, to: $0) }) ?? nil { answers.append(answer) }
+            }
         }
     }
 

@@ -80,13 +80,30 @@ public struct SensorSamples: AsyncSequence, Sendable {
     public init<S: AsyncSequence>(
         isLive: Bool = true, _ make: @escaping @Sendable () -> S
     ) where S.Element == SensorSample {
+        self.init(isLive, make) { $0.append($1) }
+    }
+
+    /// As ``init(isLive:_:)``, from a sequence that has several events at once: their readings go to who iterates together, which costs
+    /// less.
+    public static func batches<S: AsyncSequence>(
+        isLive: Bool = true, _ make: @escaping @Sendable () -> S
+    ) -> SensorSamples where S.Element == [SensorSample] {
+        SensorSamples(isLive, make) { $0.append(contentsOf: $1) }
+    }
+
+    private init<S: AsyncSequence>(
+        _ isLive: Bool, _ make: @escaping @Sendable () -> S,
+        _ append: @escaping @Sendable (inout [SensorSample], S.Element) -> Void
+    ) {
         self.isLive = isLive
         begin = {
             var iterator: S.AsyncIterator?
             func start() { iterator = iterator ?? make().makeAsyncIterator() }
-            return AsyncIterator(start: start) {
+            return AsyncIterator(start: start) { events in
                 start()
-                return try await iterator?.next()
+                guard let next = try await iterator?.next() else { return false }
+                append(&events, next)
+                return true
             }
         }
     }
@@ -96,8 +113,21 @@ public struct SensorSamples: AsyncSequence, Sendable {
     public struct AsyncIterator: AsyncIteratorProtocol {
         /// Begins before the first event is asked for.
         let start: () -> Void
-        fileprivate let advance: () async throws -> SensorSample?
+        /// Appends what comes next; false at the end.
+        let advance: (inout [SensorSample]) async throws -> Bool
+        /// What came with the latest, the next one last.
+        private var waiting: [SensorSample] = []
 
-        public mutating func next() async throws -> SensorSample? { try await advance() }
+        fileprivate init(start: @escaping () -> Void, advance: @escaping (inout [SensorSample]) async throws -> Bool) {
+            (self.start, self.advance) = (start, advance)
+        }
+
+        public mutating func next() async throws -> SensorSample? {
+            while waiting.isEmpty {
+                guard try await advance(&waiting) else { return nil }
+                waiting.reverse()
+            }
+            return waiting.popLast()
+        }
     }
 }

@@ -5,8 +5,10 @@ import Foundation
 ///
 /// Events go out in the order of their times, whichever sensor's are delivered late. What is pushed while nobody iterates is gone.
 public final class PushedSource: MagneticFieldSource {
+    private typealias Events = AsyncThrowingStream<[SensorSample], any Error>
+
     private struct State {
-        var listeners: [Int: AsyncThrowingStream<SensorSample, any Error>.Continuation] = [:]
+        var listeners: [Int: Events.Continuation] = [:]
         var number = 0
         var queue: EventQueue
     }
@@ -23,14 +25,13 @@ public final class PushedSource: MagneticFieldSource {
     /// Gives events to everyone who iterates. Any thread may call, one at a time.
     public func push(_ events: [SensorSample]) {
         let (listeners, due) = state.change { state in (state.listeners.values, events.flatMap { state.queue.push($0) }) }
-        for listener in listeners {
-            for event in due { listener.yield(event) }
-        }
+        if due.isEmpty { return }
+        for listener in listeners { listener.yield(due) }
     }
 
     public func samples() -> SensorSamples {
-        SensorSamples { [state, holdS] in
-            AsyncThrowingStream { listener in
+        SensorSamples.batches { [state, holdS] in
+            Events { listener in
                 do { try SensorOptions.check(holdS: holdS, of: "PushedSource") } catch {
                     listener.finish(throwing: error)
                     return

@@ -2,16 +2,12 @@ import Foundation
 
 /// One estimation and everyone who reads it: its events run while anybody does, those of sensors a little longer.
 final class Readers: Sendable {
-    typealias Numbered = (number: Int, answer: CompensatedReading)
-
-    /// A reader's readings, and the counter of those it has taken.
-    struct Place {
-        let readings: AsyncThrowingStream<Numbered, any Error>
-        let taken: Taken
-    }
-
     private struct State {
-        var readers: [Int: Reader] = [:]
+        var readers: [Int: Reader] = [:] {
+            didSet { ofRun = readers.values.filter { $0.run == run } }
+        }
+        /// Those of the run.
+        private(set) var ofRun: [Reader] = []
         var number = 0
         /// Counts the runs of the events; a reader is of one run.
         var run = 0
@@ -27,7 +23,7 @@ final class Readers: Sendable {
         var leaves = 0
 
         /// Whether the run goes on for nobody.
-        var isIdle: Bool { running && !readers.values.contains { $0.run == run } }
+        var isIdle: Bool { running && ofRun.isEmpty }
     }
 
     private let events: @Sendable () -> SensorSamples
@@ -58,31 +54,15 @@ final class Readers: Sendable {
     }
 
     /// A new reader's place; the first one starts the events.
-    func place(capacity: Int) -> Place {
-        let taken = Taken()
-        let readings = AsyncThrowingStream<Numbered, any Error>(
-            bufferingPolicy: .bufferingNewest(max(1, capacity))
-        ) { continuation in
-            guard capacity >= 1 else {
-                let error = MagcompError.config(field: "capacity", value: "\(capacity)", expected: "at least 1")
-                continuation.finish(throwing: error)
-                return
-            }
-            let number = state.change { state in
-                state.number += 1
-                return state.number
-            }
-            continuation.onTermination = { [self] _ in
-                taken.end()
-                remove(number)
-            }
-            add(number, Reader(continuation, taken, capacity: capacity))
+    ///
+    /// - Parameter rateHz: at most as many readings a second, and the last; nil: all
+    func place(capacity: Int, rateHz: Double? = nil) -> Place {
+        guard capacity >= 1 else {
+            let none = Reader(run: 0, capacity: 1, rateHz: nil)
+            none.finish(MagcompError.config(field: "capacity", value: "\(capacity)", expected: "at least 1"))
+            return Place(none) {}
         }
-        return Place(readings: readings, taken: taken)
-    }
-
-    private func add(_ number: Int, _ reader: Reader) {
-        state.change { state in
+        let (number, reader) = state.change { state in
             if !state.running {
                 state.running = true
                 state.run += 1
@@ -93,9 +73,12 @@ final class Readers: Sendable {
                     await feed(run)
                 }
             }
-            reader.run = state.run
-            state.readers[number] = reader
+            let reader = Reader(run: state.run, capacity: capacity, rateHz: rateHz)
+            state.number += 1
+            state.readers[state.number] = reader
+            return (state.number, reader)
         }
+        return Place(reader) { [self] in remove(number) }
     }
 
     private func remove(_ number: Int) {
@@ -141,31 +124,35 @@ final class Readers: Sendable {
         state.change { if $0.run == run { $0.isLive = events.isLive } }
         let watching = events.isLive ? nil : Task { try await watch(run) }
         defer { watching?.cancel() }
-        for try await event in events {
-            // not every sequence ends with its task
-            if Task.isCancelled { break }
-            guard let answer = try estimation.push(event) else { continue }
-            // sensors do not wait for a store, so neither do their readings
-            if !events.isLive { await estimation.settledIfTold() }
-            let readers = state.change { state in
-                if state.run == run, state.running { state.latest = answer }
-                return state.readers.values.filter { $0.run == run }
+        let iterator = events.makeAsyncIterator()
+        var batch: [SensorSample] = []
+        var answers: [CompensatedReading] = []
+        // not every sequence ends with its task
+        while try await iterator.advance(&batch), !Task.isCancelled {
+            let pushed = Result { try estimation.push(batch, &answers) }
+            batch.removeAll(keepingCapacity: true)
+            if let latest = answers.last {
+                // sensors do not wait for a store, so neither do their readings
+                if !events.isLive { await estimation.settledIfTold() }
+                let readers = state.change { state in
+                    if state.run == run, state.running { state.latest = latest }
+                    return state.run == run ? state.ofRun : []
+                }
+                for reader in readers { await fill(reader, answers, waits: !events.isLive) }
+                answers.removeAll(keepingCapacity: true)
             }
-            for reader in readers {
-                if !events.isLive { await room(reader) }
-                reader.take(answer)
-            }
+            try pushed.get()
         }
     }
 
-    /// Waits for a reader's room, but where others read not for one that has stopped asking.
-    private func room(_ reader: Reader) async {
-        var isThere = false
-        while !isThere {
-            if reader.hasStopped, state.value.readers.values.contains(where: { $0.run == reader.run && $0 !== reader }) {
-                return
-            }
-            isThere = await reader.room()
+    /// Gives readings to a reader; those of events that can wait wait for its room, but where others read not for one that has stopped
+    /// asking.
+    private func fill(_ reader: Reader, _ answers: [CompensatedReading], waits: Bool) async {
+        var rest = reader.take(answers[...], waits: waits)
+        while !rest.isEmpty {
+            let isGivenUp = reader.hasStopped && state.value.ofRun.contains { $0.run == reader.run && $0 !== reader }
+            if !isGivenUp { await reader.room() }
+            rest = reader.take(rest, waits: !isGivenUp)
         }
     }
 
@@ -189,92 +176,25 @@ final class Readers: Sendable {
     }
 }
 
-/// One reader's buffer, filled by one run's task alone.
-private final class Reader: @unchecked Sendable {
-    private let continuation: AsyncThrowingStream<Readers.Numbered, any Error>.Continuation
-    private let taken: Taken
-    private let capacity: Int
-    // set before the run's task can see it
-    var run = 0
-    private var number = 0
-    /// How many it had taken when it was waited for in vain.
-    private var stoppedAt: Int?
+/// A reader's place, which it leaves when this is freed or its task is cancelled.
+final class Place: Sendable {
+    private let reader: Reader
+    private let leave: @Sendable () -> Void
 
-    init(
-        _ continuation: AsyncThrowingStream<Readers.Numbered, any Error>.Continuation, _ taken: Taken, capacity: Int
-    ) {
-        (self.continuation, self.taken, self.capacity) = (continuation, taken, capacity)
-    }
+    init(_ reader: Reader, leave: @escaping @Sendable () -> Void) { (self.reader, self.leave) = (reader, leave) }
 
-    /// Waits until nothing need be dropped; false when that took too long.
-    func room() async -> Bool {
-        let isThere = await taken.atLeast(number + 1 - capacity)
-        stoppedAt = isThere ? nil : taken.count
-        return isThere
-    }
+    deinit { end() }
 
-    /// Whether it was waited for in vain and has asked for nothing since.
-    var hasStopped: Bool { stoppedAt == taken.count }
-
-    func losePatience() { taken.losePatience() }
-
-    func take(_ answer: CompensatedReading) {
-        continuation.yield((number, answer))
-        number += 1
-    }
-
-    func finish(_ error: (any Error)?) { continuation.finish(throwing: error) }
-}
-
-/// How many readings a reader has taken, for events that can wait for it.
-final class Taken: Sendable {
-    private struct State {
-        var count = 0
-        var wanted = 0
-        var waiting: CheckedContinuation<Bool, Never>?
-        /// Counts the waits, and that which was there when it was looked last.
-        var wait = 0
-        var seen = 0
-
-        mutating func wake(_ isThere: Bool) -> CheckedContinuation<Bool, Never>? {
-            guard count >= wanted || !isThere else { return nil }
-            defer { waiting = nil }
-            return waiting
+    func next(isolation actor: isolated (any Actor)?) async throws -> CompensatedReading? {
+        try await withTaskCancellationHandler {
+            try await reader.next(isolation: actor)
+        } onCancel: {
+            end()
         }
     }
 
-    private let state = Locked(State())
-
-    var count: Int { state.value.count }
-
-    func upTo(_ count: Int) {
-        let woken = state.change { state in
-            state.count = max(state.count, count)
-            return state.wake(true)
-        }
-        woken?.resume(returning: true)
-    }
-
-    /// Nobody takes any more.
-    func end() { upTo(.max) }
-
-    /// Waits for that many; one task at a time. False when patience was lost before.
-    func atLeast(_ wanted: Int) async -> Bool {
-        await withCheckedContinuation { continuation in
-            let woken = state.change { state in
-                (state.wanted, state.waiting, state.wait) = (wanted, continuation, state.wait + 1)
-                return state.wake(true)
-            }
-            woken?.resume(returning: true)
-        }
-    }
-
-    /// Ends a wait that was there at the call before.
-    func losePatience() {
-        let woken = state.change { state in
-            defer { state.seen = state.wait }
-            return state.seen == state.wait ? state.wake(false) : nil
-        }
-        woken?.resume(returning: false)
+    private func end() {
+        leave()
+        reader.finish()
     }
 }

@@ -64,7 +64,7 @@ public struct RecordingSource: MagneticFieldSource {
     }
 
     public func samples() -> SensorSamples {
-        SensorSamples(isLive: false) { [self] in
+        SensorSamples.batches(isLive: false) { [self] in
             Rows(
                 name: name, pace: speed.map { Pace("RecordingSource", speed: $0, clock: clock) }, courses: courses,
                 open: open)
@@ -119,8 +119,10 @@ struct Pace {
 
 /// The rows of a recording as events, read as they are asked for.
 private struct Rows: AsyncSequence, AsyncIteratorProtocol {
-    typealias Element = SensorSample
+    typealias Element = [SensorSample]
 
+    /// Rows that are read at once where nothing is waited for.
+    private static let together = 32
     private static let gzip: [UInt8] = [0x1f, 0x8b]
     private static let time = ["t_s"], magnetic = ["mx", "my", "mz"], up = ["ax", "ay", "az"], rate = ["gx", "gy", "gz"]
     private static let system = ["sys_mx", "sys_my", "sys_mz"], course = ["course_deg", "course_sigma_deg"]
@@ -133,8 +135,8 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
     private var columns: [String: Int] = [:]
     private var width = 0
     private var line = 0
-    /// Events of the latest row, the next one last.
-    private var events: [SensorSample] = []
+    /// What is wrong with the row after those that were given.
+    private var failure: (any Error)?
 
     init(name: String, pace: Pace?, courses: HeadedAxis?, open: @escaping @Sendable () throws -> Data) {
         (self.name, self.pace, self.courses, self.open) = (name, pace, courses, open)
@@ -142,16 +144,24 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
 
     func makeAsyncIterator() -> Rows { self }
 
-    mutating func next() async throws -> SensorSample? {
+    mutating func next() async throws -> [SensorSample]? {
+        if let failure { throw failure }
         if lines == nil { try begin() }
+        var events: [SensorSample] = []
+        var rows = 0
         // a row may have nothing of what is read
-        while events.isEmpty {
-            guard let text = nextLine() else { return nil }
+        while events.isEmpty || (pace == nil && rows < Self.together) {
+            guard let text = nextLine() else { return events.isEmpty ? nil : events }
             if text.isEmpty { continue }
-            try read(text)
-            if let next = events.last { try await pace?.wait(for: next.timeNs) }
+            rows += 1
+            do { try read(text, &events) } catch {
+                if events.isEmpty { throw error }
+                failure = error
+                return events
+            }
+            if let first = events.first { try await pace?.wait(for: first.timeNs) }
         }
-        return events.popLast()
+        return events
     }
 
     private mutating func begin() throws {
@@ -189,32 +199,33 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
         return text
     }
 
-    private mutating func read(_ text: String) throws {
+    /// Appends the row's events, all or none.
+    private func read(_ text: String, _ events: inout [SensorSample]) throws {
         let cells = cells(text)
         guard cells.count == width else { throw wrong(nil, "\(cells.count) cells, expected \(width)") }
         let time = try number("t_s", cells)
         guard let timeNs = Int64(exactly: (time * 1e9).rounded()) else {
             throw wrong("t_s", "the time is no number of seconds that fits 64 bits of nanoseconds")
         }
-        // the last one first, as they are taken from the end
-        events = []
-        if let field = try vector(Self.magnetic, cells) {
-            events.append(.magnetic(MagneticSample(timeNs: timeNs, fieldUt: field)))
+        var row: [SensorSample] = []
+        if let rate = try vector(Self.rate, cells) {
+            row.append(.rotationRate(RotationRateSample(timeNs: timeNs, rateRadS: rate)))
+        }
+        if let up = try vector(Self.up, cells) { row.append(.up(UpSample(timeNs: timeNs, upMS2: up))) }
+        if let field = try vector(Self.system, cells) {
+            // a recording does not say how sure the system was, so nothing begins with it
+            row.append(.systemField(SystemFieldSample(timeNs: timeNs, fieldUt: field, accuracy: .uncalibrated)))
         }
         if let headed = courses, let course = try numbers(Self.course, cells) {
-            events.append(
+            row.append(
                 .heading(
                     HeadingSample(
                         timeNs: timeNs, headingDeg: course[0], sigmaDeg: course[1], reference: .true, axis: headed)))
         }
-        if let field = try vector(Self.system, cells) {
-            // a recording does not say how sure the system was, so nothing begins with it
-            events.append(.systemField(SystemFieldSample(timeNs: timeNs, fieldUt: field, accuracy: .uncalibrated)))
+        if let field = try vector(Self.magnetic, cells) {
+            row.append(.magnetic(MagneticSample(timeNs: timeNs, fieldUt: field)))
         }
-        if let up = try vector(Self.up, cells) { events.append(.up(UpSample(timeNs: timeNs, upMS2: up))) }
-        if let rate = try vector(Self.rate, cells) {
-            events.append(.rotationRate(RotationRateSample(timeNs: timeNs, rateRadS: rate)))
-        }
+        events += row
     }
 
     private func vector(_ names: [String], _ cells: [String]) throws -> DeviceVector? {

@@ -20,12 +20,12 @@ private struct RecordedSource<Source: MagneticFieldSource>: MagneticFieldSource 
 
     func samples() -> SensorSamples {
         let samples = source.samples()
-        return SensorSamples(isLive: samples.isLive) { [url] in Recorded(events: samples, url: url) }
+        return SensorSamples.batches(isLive: samples.isLive) { [url] in Recorded(events: samples, url: url) }
     }
 }
 
 private struct Recorded: AsyncSequence {
-    typealias Element = SensorSample
+    typealias Element = [SensorSample]
 
     let events: SensorSamples
     let url: URL
@@ -39,15 +39,16 @@ private struct Recorded: AsyncSequence {
 
         init(events: SensorSamples.AsyncIterator, url: URL) { (self.events, self.url) = (events, url) }
 
-        mutating func next() async throws -> SensorSample? {
+        mutating func next() async throws -> [SensorSample]? {
             let file = try file ?? SensorRecorder(url)
             self.file = file
-            guard let event = try await events.next() else {
+            var batch: [SensorSample] = []
+            guard try await events.advance(&batch) else {
                 try file.finish()
                 return nil
             }
-            try file.write(event)
-            return event
+            for event in batch { try file.write(event) }
+            return batch
         }
     }
 }

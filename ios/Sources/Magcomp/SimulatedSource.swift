@@ -15,7 +15,7 @@ public struct SimulatedSource: MagneticFieldSource {
     init(speed: Double?, clock: any PlayingClock) { (self.speed, self.clock) = (speed, clock) }
 
     public func samples() -> SensorSamples {
-        SensorSamples(isLive: false) { [speed, clock] in
+        SensorSamples.batches(isLive: false) { [speed, clock] in
             Motion(pace: speed.map { Pace("SimulatedSource", speed: $0, clock: clock) })
         }
     }
@@ -24,7 +24,7 @@ public struct SimulatedSource: MagneticFieldSource {
     static func headingDeg(_ seconds: Double) -> Double { 40 + 30 * sin(0.5 * seconds) }
 
     private struct Motion: AsyncSequence, AsyncIteratorProtocol {
-        typealias Element = SensorSample
+        typealias Element = [SensorSample]
 
         /// 100 Hz.
         private static let stepNs: Int64 = 10_000_000
@@ -37,24 +37,19 @@ public struct SimulatedSource: MagneticFieldSource {
         var pace: Pace?
         private var count: Int64 = 0
         private var noise = Noise()
-        /// Events of the latest time, the next one last.
-        private var events: [SensorSample] = []
 
         init(pace: Pace?) { self.pace = pace }
 
         func makeAsyncIterator() -> Motion { self }
 
-        mutating func next() async throws -> SensorSample? {
-            if events.isEmpty {
-                if count == 0 { try pace?.check() }
-                count += 1
-                make(count * Self.stepNs)
-                try await pace?.wait(for: count * Self.stepNs)
-            }
-            return events.popLast()
+        mutating func next() async throws -> [SensorSample]? {
+            if count == 0 { try pace?.check() }
+            count += 1
+            try await pace?.wait(for: count * Self.stepNs)
+            return events(count * Self.stepNs)
         }
 
-        private mutating func make(_ timeNs: Int64) {
+        private mutating func events(_ timeNs: Int64) -> [SensorSample] {
             let seconds = Double(timeNs) * 1e-9
             let (before, now) = (Pose(seconds - 0.01), Pose(seconds))
             // of so small a turn: what each axis of the device has moved along the next
@@ -67,11 +62,11 @@ public struct SimulatedSource: MagneticFieldSource {
             let north = SIMD3(now.x.y, now.y.y, now.z.y)
             let iron = SIMD3(Self.hardIronUt.x, Self.hardIronUt.y, Self.hardIronUt.z)
             let field = north * Self.northUt + up * Self.upUt + iron
-            events = [
-                .magnetic(MagneticSample(timeNs: timeNs, fieldUt: vector(field, noise: 0.3))),
-                .up(UpSample(timeNs: timeNs, upMS2: vector(up * 9.81, noise: 0.02))),
-                .rotationRate(RotationRateSample(timeNs: timeNs, rateRadS: vector(rate, noise: 0.002))),
-            ]
+            // the noise is drawn in this order
+            let magnetic = MagneticSample(timeNs: timeNs, fieldUt: vector(field, noise: 0.3))
+            let upward = UpSample(timeNs: timeNs, upMS2: vector(up * 9.81, noise: 0.02))
+            let turning = RotationRateSample(timeNs: timeNs, rateRadS: vector(rate, noise: 0.002))
+            return [.rotationRate(turning), .up(upward), .magnetic(magnetic)]
         }
 
         private mutating func vector(_ v: SIMD3<Double>, noise size: Double) -> DeviceVector {

@@ -113,11 +113,16 @@ import Testing
         #expect(try await lagMs(at: 3.2, lateMs: 7) == 7)
     }
 
-    @Test func sleepThatCoreMotionsTimesDoNotShowIsToldOnceAndLateEventsAreNoSleep() async throws {
-        let clock = Shared(0.0)
-        let source = CoreMotionSource(
+    /// The magnetometer alone, by a clock of the test's.
+    private func source(by clock: Shared<Double>) -> CoreMotionSource {
+        CoreMotionSource(
             options: SensorOptions(gyroscope: false, up: false), scripted: manager,
             continuousNs: { Int64(clock.value * 1e9) })
+    }
+
+    @Test func sleepThatCoreMotionsTimesDoNotShowIsToldOnceAndLateEventsAreNoSleep() async throws {
+        let clock = Shared(0.0)
+        let source = source(by: clock)
         var iterator = source.samples().makeAsyncIterator()
         iterator.start()
         var (timeS, sleptS) = (100.0, 50.0)
@@ -161,9 +166,7 @@ import Testing
 
     @Test func aFirstEventThatIsLateIsNoSleep() async throws {
         let clock = Shared(0.0)
-        let source = CoreMotionSource(
-            options: SensorOptions(gyroscope: false, up: false), scripted: manager,
-            continuousNs: { Int64(clock.value * 1e9) })
+        let source = source(by: clock)
         var iterator = source.samples().makeAsyncIterator()
         iterator.start()
         for k in 1...200 {

@@ -133,22 +133,46 @@ import Testing
         #expect(last.count == 4 && last[0].droppedBefore > 200 && last[3].sample.timeNs == 300 * stepNs)
     }
 
-    @Test func patienceIsLostAtTheSecondLook() async {
-        let taken = Taken()
-        taken.losePatience()
-        let waits = Task { await taken.atLeast(1) }
+    /// Answers at these times, in steps of the sensors.
+    private func answers(_ steps: [Int64]) -> [CompensatedReading] {
+        steps.map { step in
+            CompensatedReading(
+                reading: MagneticReading(status: .tracking),
+                sample: MagneticSample(timeNs: step * stepNs, fieldUt: DeviceVector(x: 20, y: 0, z: -40)))
+        }
+    }
+
+    @Test func aScreenGetsWhatItShowsAndTheLastWhateverTheClockDoes() async throws {
+        // of 100 Hz every other, and another clock begins at 1
+        let cases: [(steps: [Int64], seen: [Int64])] = [
+            ([101, 102, 103, 104], [101, 103, 104]), ([101, 102, 103, 1, 2, 3], [101, 103, 1, 3]),
+        ]
+        for (steps, expected) in cases {
+            let screen = Reader(run: 1, capacity: 10, rateHz: 60)
+            #expect(screen.take(answers(steps)[...], waits: true).isEmpty)
+            screen.finish()
+            var seen: [Int64] = []
+            while let answer = try await screen.next(isolation: nil) { seen.append(answer.sample.timeNs / stepNs) }
+            #expect(seen == expected)
+        }
+    }
+
+    @Test func patienceIsLostAtTheSecondLookWhereNothingWasTaken() async throws {
+        let reader = Reader(run: 1, capacity: 4, rateHz: nil)
+        #expect(reader.take(answers([1, 2, 3, 4, 5])[...], waits: true).count == 1)
+        reader.losePatience()
+        let waits = Task { await reader.room() }
         // it begins to wait at any time, so it is looked at until it has lost
         let looks = Task {
             while !Task.isCancelled {
-                taken.losePatience()
+                reader.losePatience()
                 await Task.yield()
             }
         }
-        #expect(await waits.value == false)
+        await waits.value
         looks.cancel()
-        taken.upTo(5)
-        #expect(await taken.atLeast(5))
-        taken.end()
-        #expect(await taken.atLeast(1_000_000))
+        #expect(reader.hasStopped)
+        #expect(try await reader.next(isolation: nil)?.sample.timeNs == stepNs)
+        #expect(!reader.hasStopped)
     }
 }

@@ -49,6 +49,18 @@ import Testing
         #expect(abs(try #require(try again.calibration()).hardIronUt.x - hardIronUt.x - 20) < 3)
     }
 
+    @Test func aKeptTextOfUnknownAgeIsBelievedLess() throws {
+        let learned = try Compensator()
+        _ = try learned.pushAll(tumbling(900))
+        let text = try #require(try learned.keep(unixTimeS: nowS))
+        let sigmas = try [nowS, nil].map { now in
+            let again = try Compensator()
+            try again.adoptKept(text, unixTimeS: now)
+            return try #require(try again.pushAll(tumbling(3)).last?.fieldSigmaUt)
+        }
+        #expect(sigmas[1] > 1.5 * sigmas[0], "\(sigmas)")
+    }
+
     @Test func theSystemsHardIronAndWhatWasGivenAreNeverSavedAsLearned() async throws {
         let none = SoftIron(xx: 1, yy: 1, zz: 1, xy: 0, xz: 0, yz: 0)
         let given = MagnetometerCalibration(softIron: none, hardIronUt: hardIronUt, fieldStrengthUt: 47.4)

@@ -22,6 +22,18 @@ import Testing
         #expect((errors.reduce(0) { $0 + $1 * $1 } / 4500).squareRoot() < 2)
     }
 
+    @Test func everyAxisOfItsMagnetometerHasNoise() async throws {
+        // held nearly flat it turns by less than 0.2 degrees a sample, so nearly all of the difference of two is noise: 2 * 0.3^2
+        var (samples, noise) = ([SIMD3<Double>](), SIMD3<Double>.zero)
+        for try await event in SimulatedSource(speed: nil).samples() {
+            guard case .magnetic(let sample) = event, sample.timeNs > 20_000_000_000 else { continue }
+            samples.append(SIMD3(sample.fieldUt))
+            if samples.count == 1000 { break }
+        }
+        for (one, next) in zip(samples, samples.dropFirst()) { noise += (next - one) * (next - one) / 999 }
+        for axis in 0..<3 { #expect(0.1 < noise[axis] && noise[axis] < 0.3) }
+    }
+
     @Test func theGyroscopeTellsHowTheOthersTurn() async throws {
         var (rate, up) = (DeviceVector(x: 0, y: 0, z: 0), DeviceVector?.none)
         var worst = 0.0
