@@ -22,8 +22,8 @@ use std::f64::consts::{FRAC_1_SQRT_2, LN_2};
 
 /// Choice: hypotheses that are kept.
 const MOST: usize = 18;
-/// Mathematics: places for those that one frame brings: twelve cold ones, eight changes, a former one, a fork and a twin.
-const BROUGHT: usize = 23;
+/// Mathematics: places for those that one frame brings: six cold ones, eight changes, a fork and a twin.
+const BROUGHT: usize = 16;
 /// Places of hypotheses, which are large and stay where they are.
 type Places = ArrayVec<usize, { MOST + BROUGHT }>;
 /// Choice: frames that hypotheses may run through again with one frame: three of the longest.
@@ -45,7 +45,6 @@ pub(super) struct Bank {
     pub all: Vec<Filter>,
     pub frames: Frames,
     pub noise: Noise,
-    former: Option<Gaussian>,
     next_id: u32,
     turn: usize,
     unit_ut: f64,
@@ -60,7 +59,6 @@ impl Bank {
             all: Vec::with_capacity(MOST + BROUGHT),
             frames: Frames::new(),
             noise: Noise::default(),
-            former: None,
             next_id: 0,
             turn: 0,
             unit_ut,
@@ -73,7 +71,6 @@ impl Bank {
     pub fn clear(&mut self) {
         self.all.clear();
         self.frames.clear();
-        self.former = None;
         (self.next_id, self.turn) = (0, 0);
         (self.looked, self.mirrored) = (0, 0);
     }
@@ -120,20 +117,13 @@ impl Bank {
     pub fn begin_cold(&mut self, frame: &Frame, log: f64, strength_known: bool, tuning: &Tuning) {
         let prior = cold(&frame.u, tuning);
         let id = self.new_id();
-        // a vertical that contradicts the field is one that tells nothing
-        let heeds: &[bool] = match frame.up {
-            Some(_) if tuning.unheeded => &[true, false],
-            Some(_) => &[true],
-            None => &[false],
-        };
-        let sides = heeds.iter().flat_map(|heeds| (0..6).map(move |side| (*heeds, side)));
-        for (heeds_vertical, side) in sides {
+        for side in 0..6 {
             let mut base = State::new(&prior, frame.uneven.variance, frame.tilt.variance);
-            base.log = if frame.up.is_some() && !heeds_vertical { log + ln(RARE) } else { log };
+            base.log = log;
             let mut lin = prior.mean;
             lin[6 + side / 2] += if side % 2 == 0 { -1.0 } else { 1.0 };
             let mut filter = Filter::new(Kind::Cold, base, lin, self.frames.next, frame.time_ns);
-            (filter.id, filter.heeds_vertical) = (id, heeds_vertical);
+            filter.id = id;
             filter.scale_sd = Some(if strength_known { tuning.soft_iron } else { EARTH_SD });
             filter.restart();
             self.all.push(filter);
@@ -142,7 +132,7 @@ impl Bank {
 
     pub fn begin_given(&mut self, frame: &Frame, given: &Gaussian) {
         let base = State::new(given, frame.uneven.variance, frame.tilt.variance);
-        let mut filter = Filter::new(Kind::Former, base, given.mean, self.frames.next, frame.time_ns);
+        let mut filter = Filter::new(Kind::Given, base, given.mean, self.frames.next, frame.time_ns);
         filter.id = self.new_id();
         self.all.push(filter);
     }
@@ -181,7 +171,7 @@ impl Bank {
     /// Changes that begin with this frame. One that surprises may be of any kind; without surprise a change is a small one, and sudden.
     fn spawn(&mut self, place: usize, frame: &Frame, surprised: bool, seconds: f64, tuning: &Tuning) {
         let parent = &self.all[place];
-        let (id, heeds_vertical, moves, likely) = (parent.id, parent.heeds_vertical, parent.moves, parent.log_joint());
+        let (id, moves, likely) = (parent.id, parent.moves, parent.log_joint());
         let known = parent.known();
         let log = |per_h: f64| likely + ln(per_h * seconds / 3600.0);
         let mut state = parent.now.clone();
@@ -189,8 +179,7 @@ impl Bank {
         let number = self.frames.next;
         let child = |kind: Kind, base: State, lin: Tau, of: u32, size: u8| {
             let mut child = Filter::new(kind, base, lin, number, frame.time_ns);
-            (child.id, child.size, child.parent, child.heeds_vertical) = (of, size, id, heeds_vertical);
-            child.former = (kind != Kind::Place).then_some(known);
+            (child.id, child.size, child.parent) = (of, size, id);
             child
         };
         let (of_device, of_place) = (self.new_id(), self.new_id());
@@ -222,11 +211,6 @@ impl Bank {
             base.moves_to(differs, frame.time_ns);
             base.log = log(tuning.places_per_h) - LN_2;
             self.all.push(child(Kind::Place, base, known.mean, of_place, size));
-        }
-        if let Some(former) = self.former.filter(|_| surprised && tuning.recall) {
-            let mut base = state.with(&former);
-            base.log = log(tuning.devices_per_h) - LN_2;
-            self.all.push(child(Kind::Former, base, former.mean, of_device, 2));
         }
         // b may move, or rest
         let is_rival = |it: &Filter| it.moves != moves && it.log_joint() > likely - 9.0;
@@ -312,13 +296,8 @@ impl Bank {
             }
         }
         self.keep(|k, _| kept.contains(&k));
-        let Some(place) = self.best_place() else { return };
-        let best = &mut self.all[place];
-        best.look();
-        if best.is_known()
-            && let Some(former) = best.former.take()
-        {
-            self.former = Some(former);
+        if let Some(place) = self.best_place() {
+            self.all[place].look();
         }
     }
 

@@ -28,7 +28,7 @@ pub(super) enum Kind {
     Cold,
     Device,
     Place,
-    Former,
+    Given,
 }
 
 /// A large change of the device, before it is done: b changes by what the field does meanwhile, but for what the device turns.
@@ -52,8 +52,6 @@ pub(super) struct Filter {
     pub parent: u32,
     pub size: u8,
     pub moves: bool,
-    /// Whether the vertical is of use.
-    pub heeds_vertical: bool,
     /// The change takes a while.
     pub takes_time: bool,
     pub onset_ns: i64,
@@ -63,7 +61,6 @@ pub(super) struct Filter {
     lin: Tau,
     pub now: State,
     pub age: f64,
-    pub former: Option<Gaussian>,
     /// Until the first frame after a large change.
     pub leap: Option<Leap>,
     /// Expected direction error when it was last asked for, rad^2.
@@ -89,7 +86,6 @@ impl Filter {
             parent: 0,
             size: 0,
             moves: false,
-            heeds_vertical: true,
             takes_time: false,
             onset_ns,
             begun: first,
@@ -98,7 +94,6 @@ impl Filter {
             lin,
             now,
             age: 0.0,
-            former: None,
             leap: None,
             error: f64::MAX,
             scale_sd: None,
@@ -147,7 +142,6 @@ impl Filter {
             walk: tuning.walk_ut / unit_ut,
             rates: self.moves.then(|| tuning.rates(unit_ut)),
             rough_until_ns: if self.kind == Kind::Place { after(tuning.change_s) } else { i64::MIN },
-            heeds_vertical: self.heeds_vertical,
             done_ns: if self.takes_time { after(tuning.ramp_s) } else { i64::MIN },
         }
     }
@@ -318,7 +312,7 @@ impl Filter {
     /// that doubles with their age.
     pub fn makes_needless(&self, other: &Self, latest: u64) -> bool {
         let is_twin = || (self.now.tau() - other.now.tau()).norm() < NEAR;
-        let means = |it: &Self| (it.moves, it.heeds_vertical, it.leap.is_some());
+        let means = |it: &Self| (it.moves, it.leap.is_some());
         if means(self) != means(other) {
             return false;
         }

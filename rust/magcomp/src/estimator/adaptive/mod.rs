@@ -291,7 +291,7 @@ impl Adaptive {
         let by_tau = parameters::gradient(&known.mean, &seen.direction, &seen.offset, 0.0) / seen.slope;
         let rho = known.variance(&by_tau);
         let miss = (seen.radius - 1.0) / seen.slope - level / seen.slope;
-        let vertical = frame.up.filter(|_| best.heeds_vertical).map(|up| {
+        let vertical = frame.up.map(|up| {
             let sine = up.dot(&seen.direction);
             let across = (up - seen.direction * sine) / seen.radius;
             let by_tau = parameters::gradient(&known.mean, &across, &seen.offset, 1.0);

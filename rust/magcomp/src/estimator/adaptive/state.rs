@@ -52,8 +52,6 @@ pub(super) struct Way {
     pub rough_until_ns: i64,
     /// Until then the device changes: any field is as likely as another, one unit wide.
     pub done_ns: i64,
-    /// Whether the vertical is of use; else any angle between field and vertical is as likely as another, one radian wide.
-    pub heeds_vertical: bool,
     /// How b moves, where it does: units a second.
     pub rates: Option<Process>,
 }
@@ -156,12 +154,11 @@ impl<const N: usize> State<N> {
         // what is not linear: a centre that is off by d across the line of sight
         let across = if Self::KNOWS_TAU { (self.p[(6, 6)] + self.p[(7, 7)] + self.p[(8, 8)]) / 3.0 } else { 0.0 };
         let is_odd = |nu: f64, s: f64| nu * nu > OUTLYING * OUTLYING * (s + across * across);
-        let up = frame.up.filter(|_| way.heeds_vertical);
         if is_odd(nu, s) {
             self.odd += 1;
             if self.odd < 2 {
                 self.log += ln(RARE * 0.5);
-                if up.is_some() {
+                if frame.up.is_some() {
                     self.log += ln(0.5);
                 }
                 return true;
@@ -176,11 +173,11 @@ impl<const N: usize> State<N> {
         if Self::KNOWS_TAU && tuning.spread {
             self.spread.walk(moved);
             self.spread.add(&frame.u, &seen.direction, frame.white, frame.uneven.variance, s);
-            if let Some(up) = up {
+            if let Some(up) = frame.up {
                 self.spread.tilt(&up, frame.tilt.variance);
             }
         }
-        let Some(up) = up else { return true };
+        let Some(up) = frame.up else { return true };
         let sine = up.dot(&seen.direction);
         let mu = lin[9].clamp(-STEEPEST, STEEPEST);
         let level =

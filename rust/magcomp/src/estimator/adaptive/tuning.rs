@@ -76,10 +76,6 @@ choices! {
         accelerometer_bias;
         /// Changes of the device that take time
         gradual;
-        /// A vertical that contradicts the field is not heeded
-        unheeded;
-        /// Recall of the calibration from before the last step
-        recall;
         /// A rough way to another place
         rough;
         /// Learning of a place's unevenness

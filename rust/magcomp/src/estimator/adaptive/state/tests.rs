@@ -2,7 +2,7 @@ use super::super::parameters::TauMatrix;
 use super::*;
 use nalgebra::{SMatrix, SVector};
 
-const STILL: Way = Way { walk: 0.0, rates: None, rough_until_ns: i64::MIN, done_ns: i64::MIN, heeds_vertical: true };
+const STILL: Way = Way { walk: 0.0, rates: None, rough_until_ns: i64::MIN, done_ns: i64::MIN };
 
 const TRUE: [f64; 10] = [1.1, 0.9, 1.05, 0.07, -0.04, 0.06, 0.3, -0.5, 0.8, 0.2];
 
