@@ -12,6 +12,8 @@ use std::hint::black_box;
 const RATE_HZ: usize = 100;
 /// Samples of each compensator.
 const EACH: usize = 60;
+/// Samples until one holds all that it ever will.
+const WARM: usize = 2500;
 
 type Stream = [(RotationRateSample, UpSample, MagneticSample)];
 
@@ -41,6 +43,11 @@ fn main() {
     });
     let ns_parallel = times.iter().sum::<f64>() / times.len() as f64;
     println!("  over {} threads at once: {:.2} times, each", times.len(), ns_parallel / alone(&stream, EACH, 2 * EACH));
+
+    let warm = count.div_ceil(20);
+    let before = resident_bytes();
+    run(&mut many[..warm], &turning(RATE_HZ, 2 * EACH + WARM)[2 * EACH..]);
+    println!("  after {} s more: {} bytes more each", WARM / RATE_HZ, (resident_bytes() - before) / warm);
 }
 
 fn made() -> Compensator {

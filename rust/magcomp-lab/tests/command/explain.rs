@@ -35,7 +35,7 @@ fn a_replay_explains_every_row() {
     }
     let cell = |row: usize, name: &str| rows[row][columns.iter().position(|column| column == name).unwrap()].as_str();
     let number = |row: usize, name: &str| cell(row, name).parse::<f64>().unwrap();
-    assert_eq!((cell(50, "phase"), cell(50, "tries_both"), cell(50, "innovation_x_ut")), ("starting", "true", ""));
+    assert_eq!((cell(50, "phase"), cell(50, "tries_both"), cell(50, "innovation_x_ut")), ("starting", "false", ""));
     assert_eq!((cell(1999, "phase"), cell(1999, "sample"), cell(2000, "sample")), ("running", "used", "gated"));
     assert!(number(1999, "test_ratio") < 1.0 && number(2000, "test_ratio") > 1.0);
     // its story ends in the row of the decision

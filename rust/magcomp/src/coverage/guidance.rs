@@ -17,8 +17,8 @@ pub(crate) struct Guidance {
     coverage: Coverage,
     /// Directions are counted as seen through this.
     through: Option<Calibration>,
-    /// The latest N_max samples at the most, oldest first.
-    latest: VecDeque<Vector3<f64>>,
+    /// The latest N_max samples at the most, oldest first, in half the memory.
+    latest: VecDeque<Vector3<f32>>,
     samples: usize,
     longest: usize,
     /// Of the latest samples that count, while there is no calibration.
@@ -61,12 +61,13 @@ impl Guidance {
         self.coverage.see(direction.as_ref());
         self.samples = self.samples.saturating_add(1);
         if calibration.is_none() {
-            self.follow(raw_ut, window);
+            // as it is kept, so that it leaves as it came
+            self.follow(&raw_ut.cast::<f32>().cast(), window);
         }
         if self.latest.len() == self.longest {
             self.latest.pop_front();
         }
-        self.latest.push_back(*raw_ut);
+        self.latest.push_back(raw_ut.cast());
         self.look_through(calibration, window);
     }
 
@@ -89,7 +90,7 @@ impl Guidance {
         self.coverage = Coverage::default();
         let old = self.latest.len() - self.latest.len().min(window).min(10 * ANEW_SAMPLES);
         for raw_ut in self.latest.iter().skip(old) {
-            self.coverage.see(Some(&through.correct(raw_ut)));
+            self.coverage.see(Some(&through.correct(&raw_ut.cast())));
         }
         self.coverage.count_latest(window);
     }
@@ -100,7 +101,7 @@ impl Guidance {
             self.moments = Moments::new(*raw_ut, self.typical_ut);
         }
         while self.moments.count() >= window.max(1) {
-            self.moments.remove(&self.latest[self.latest.len() - self.moments.count()]);
+            self.moments.remove(&self.latest[self.latest.len() - self.moments.count()].cast());
         }
         self.moments.add(raw_ut);
     }

@@ -34,7 +34,8 @@ pub(crate) struct Ours {
 enum Gyroscope {
     /// To the adaptive one.
     Missing,
-    /// To both: the gyroscope has not led to a first calibration yet, and one that stutters never does; or it is contradicted.
+    /// To the aided one: the gyroscope has not led to a first calibration yet. To both once it has broken off, since one that stutters never does, or
+    /// while it is contradicted.
     Starting(Aided),
     /// To the aided one.
     InUse(Aided),
@@ -119,12 +120,16 @@ impl Ours {
             Gyroscope::Missing => adaptive.push(time_ns, &raw_ut, paired.up_m_s2),
             Gyroscope::Starting(aided) => {
                 let told = aided.push(time_ns, raw_ut, paired);
-                let mut other = adaptive.push(time_ns, &raw_ut, paired.up_m_s2);
-                if knows_more(aided, adaptive, self.is_contradicted) {
+                if !is_doubted(aided, self.is_contradicted) {
                     told
                 } else {
-                    other.1.carry = told.1.carry.filter(|_| !self.is_contradicted);
-                    other
+                    let mut other = adaptive.push(time_ns, &raw_ut, paired.up_m_s2);
+                    if knows_more(aided, adaptive, self.is_contradicted) {
+                        told
+                    } else {
+                        other.1.carry = told.1.carry.filter(|_| !self.is_contradicted);
+                        other
+                    }
                 }
             }
         };
@@ -197,7 +202,8 @@ impl Ours {
 
     /// The inside of the estimator that answers.
     pub fn explain(&self) -> Explanation {
-        let tries_both = matches!(self.gyroscope, Gyroscope::Starting(_));
+        let tries_both =
+            matches!(&self.gyroscope, Gyroscope::Starting(aided) if is_doubted(aided, self.is_contradicted));
         let it = match self.speaker() {
             Speaker::Aided(aided) => aided.explain(),
             Speaker::Adaptive(adaptive) => adaptive.explain(),
@@ -223,14 +229,16 @@ impl Gyroscope {
     }
 }
 
+/// Whether the magnetometer alone is tried beside a gyroscope that is contradicted, or that keeps breaking off.
+fn is_doubted(aided: &Aided, is_contradicted: bool) -> bool {
+    is_contradicted || aided.broke_within(SETTLED_S)
+}
+
 /// Which of the two of a start answers: the one with the gyroscope, unless that is contradicted, or it keeps breaking off and the other one alone
 /// knows a calibration, or has learned b better.
 fn knows_more(aided: &Aided, adaptive: &Adaptive, is_contradicted: bool) -> bool {
-    if is_contradicted {
-        return false;
-    }
-    if !aided.broke_within(SETTLED_S) {
-        return true;
+    if !is_doubted(aided, is_contradicted) || is_contradicted {
+        return !is_contradicted;
     }
     let of_b = |p: SMatrix<f64, 9, 9>| p.fixed_view::<3, 3>(0, 0).trace();
     match (aided.covariance().map(of_b), adaptive.covariance().map(of_b)) {

@@ -78,16 +78,20 @@ pub(super) struct Frames {
 impl Frames {
     /// Takes all memory.
     pub fn new() -> Self {
-        Self { ring: vec![Frame::default(); MOST as usize], next: 0 }
+        Self { ring: Vec::with_capacity(MOST as usize), next: 0 }
     }
 
     pub fn clear(&mut self) {
-        self.ring.fill(Frame::default());
+        self.ring.clear();
         self.next = 0;
     }
 
     pub fn push(&mut self, frame: Frame) {
-        self.ring[(self.next % MOST) as usize] = frame;
+        if self.next < MOST {
+            self.ring.push(frame);
+        } else {
+            self.ring[(self.next % MOST) as usize] = frame;
+        }
         self.next += 1;
     }
 

@@ -175,7 +175,7 @@ type Case = (&'static str, fn(&mut World) -> f64, f64, f64);
 
 const CASES: [Case; 10] = [
     ("unevenness", in_an_uneven_place, 1.5, 2.5),
-    ("tilting", in_a_hand_that_tilts, 1.5, 3.0),
+    ("tilting", in_a_hand_that_tilts, 2.5, 8.0),
     ("stays", in_a_rest_of_noise_that_lasts, 2.5, 4.0),
     ("looks", while_b_drifts, 1.2, 4.0),
     ("moves", while_b_drifts, 1.2, 2.5),
