@@ -7,7 +7,8 @@ cd "$(dirname "$0")/.."
 . tests/need.sh
 need python "${rust_tools[@]}" python3:python3 venv:python3-venv ${MAGCOMP_NIGHT:+jdk:default-jdk-headless}
 . tests/native.sh
-cargo build --quiet --locked --profile "$profile" "${workspace[@]}" --bin magcomp
+# --example: with the features that the tests' build has given to the crates they share
+cargo build --quiet --locked --profile "$profile" "${workspace[@]}" --bin magcomp --example expected
 home=$target/python
 rm -rf "$home/wheels"
 python3 -m venv --clear "$home/venv"
