@@ -49,12 +49,13 @@ host() {
     cargo test --locked "${workspace[@]}"
 }
 
-# what takes too long for each change: all runs of the statistical tests, the libraries of all architectures as phones get them
+# what takes too long for each change: all runs of the statistical tests, the wheel as it ships, the libraries of all
+# architectures as phones get them
 night() {
     . tests/need.sh
     need night "${rust_tools[@]}"
     MAGCOMP_NIGHT=1 MAGCOMP_FUZZ=1000 cargo test --locked "${workspace[@]}" --lib --bins --tests -- --include-ignored
-    MAGCOMP_NIGHT=1 tests/python.sh test_many.py
+    MAGCOMP_NIGHT=1 PROFILE=release tests/python.sh
     PROFILE=ship tests/mobile.sh all
     PROFILE=ship tests/xcframework.sh all
 }
