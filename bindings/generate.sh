@@ -10,8 +10,8 @@ esac
 . tests/need.sh
 need bindings "${rust_tools[@]}" perl:perl-base
 . tests/native.sh
-# --workspace: with the features that the library's build has given to the crates they share
-cargo build --quiet --locked --profile test --workspace --exclude magcomp-python --features magcomp-ffi/test-hooks --bin uniffi-bindgen
+# --workspace, --example: with the features that the library's build has given to the crates they share
+cargo build --quiet --locked --profile test --workspace --exclude magcomp-python --features magcomp-ffi/test-hooks --bin uniffi-bindgen --example expected
 fresh=$(mktemp -d)
 trap 'rm -rf "$fresh"' EXIT
 # --no-format: the committed files do not depend on which formatters are installed

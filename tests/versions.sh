@@ -25,10 +25,17 @@ mapfile -t found < <(sed -n '/^\[package\]/,/^\[/s/^version = "\(.*\)"/\1/p' web
 differs web/Cargo.toml "${found[@]}"
 address=$(sed -n 's/^repository = "\(.*\)"/\1/p' Cargo.toml)
 [[ "$address" == https://github.com/*/magcomp ]] || { echo "versions: Cargo.toml has no address" >&2; exit 1; }
-for file in python/pyproject.toml python/README.md android/pom.xml android/library/build.gradle.kts ios/README.md SECURITY.md \
+for file in rust/magcomp/README.md python/pyproject.toml python/README.md android/pom.xml android/library/build.gradle.kts ios/README.md SECURITY.md \
     ios/Sources/Magcomp/Magcomp.docc/Resources/App-Package.swift; do
     [ "$(grep -oE 'https://github.com/[A-Za-z0-9-]+/magcomp' "$file" | sort -u)" = "$address" ] ||
         { echo "versions: $file names another address than Cargo.toml, $address, or none" >&2; exit 1; }
+done
+# what a registry shows has no files beside it
+for file in rust/magcomp/README.md python/README.md; do
+    ! sed 's:](https\://[^)]*)::g' "$file" | grep -F '](' || { echo "versions: a link of $file leads nowhere on a registry's page" >&2; exit 1; }
+    for page in $(grep -oE "\]\($address/blob/main/[^)#]*" "$file" | sed 's:.*/blob/main/::'); do
+        [ -f "$page" ] || { echo "versions: $file: there is no $page" >&2; exit 1; }
+    done
 done
 [ "${1:-}" != --publish ] || [ "$address" != "https://github.com/OWNER/magcomp" ] ||
     { echo "versions: OWNER has to be replaced in Cargo.toml and in what repeats it: grep -rl github.com/OWNER ." >&2; exit 1; }

@@ -48,4 +48,6 @@ fn the_readmes_code_prints_its_lines() {
     let own = include_str!("readme.rs");
     let code = &own[own.find("use magcomp").unwrap()..own.find("\n#[test]").unwrap()];
     assert!(readme.contains(&format!("```rust\n{code}```")), "README's code is not that of this test");
+    let registry = include_str!("../../rust/magcomp/README.md");
+    assert!(registry.contains(&format!("```rust\n{code}```")), "the crate's README has other code");
 }

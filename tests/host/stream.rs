@@ -1,6 +1,6 @@
 //! Laws of the stream: the compensator as a state machine, over any input that proptest finds.
 
-use magcomp::nalgebra::Vector3;
+use magcomp::nalgebra::{Rotation3, Vector3};
 use magcomp::{
     Calibration, Compensator, Config, FitOptions, HeadingConfig, KeptCalibration, MagneticSample, Method, Reading,
     RejectReason, Residual, RotationRateSample, ScreenRotation, Status, UpSample, WindowedConfig, fit_ellipsoid,
@@ -366,5 +366,39 @@ proptest! {
             }
             let _ = compensator.coverage().unseen_directions();
         }
+    }
+}
+
+/// What dies out must not become subnormal, which processors are slow with: every number of the state after an hour on a table.
+#[test]
+fn an_hour_at_rest_leaves_no_subnormal_number() {
+    for has_gyroscope in [true, false] {
+        let mut compensator = compensator(&config(Method::Auto, 100, 1000));
+        let mut random = Random::new(7);
+        let truth = calibration(&REF, 45.0);
+        let attitude = |t: f64| Rotation3::from_euler_angles(0.6 * (2.0 * t).sin(), 0.5 * (1.4 * t).cos(), 0.5 * t);
+        let rate_hz = 25.0;
+        let mut tracked = 0;
+        for k in 0..(3_620.0 * rate_hz) as usize {
+            let (time_ns, t) = ((k as f64 / rate_hz * 1e9) as i64, (k as f64 / rate_hz).min(20.0));
+            let turn =
+                if t < 20.0 { attitude(t).inverse() * attitude(t + 1.0 / rate_hz) } else { Rotation3::identity() };
+            let to_device = attitude(t).inverse();
+            let rate_rad_s = turn.scaled_axis() * rate_hz + random.normal3() * 1e-3;
+            if has_gyroscope {
+                compensator.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s }).expect("a good sample");
+            }
+            let up_m_s2 = to_device * Vector3::new(0.0, 0.0, 9.81) + random.normal3() * 0.02;
+            compensator.push_up(UpSample { time_ns, up_m_s2 }).expect("a good sample");
+            let field_ut = truth.distort(&(to_device * Vector3::new(0.0, 20.0, -40.0))) + random.normal3() * 0.3;
+            tracked += usize::from(compensator.push(MagneticSample { time_ns, field_ut }).status == Status::Tracking);
+        }
+        assert!(tracked > 100, "{has_gyroscope}: {tracked}");
+        let state = format!("{compensator:?}");
+        let words = state.split(|c: char| !(c.is_alphanumeric() || "+-.".contains(c)));
+        let numbers: Vec<f64> = words.filter_map(|it| it.parse().ok()).collect();
+        assert!(numbers.len() > 3_000, "{}", numbers.len());
+        let small: Vec<_> = numbers.iter().filter(|it| it.is_subnormal()).collect();
+        assert!(small.is_empty(), "gyroscope {has_gyroscope}: {} of {}: {:e}", small.len(), numbers.len(), small[0]);
     }
 }

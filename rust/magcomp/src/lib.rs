@@ -141,5 +141,5 @@ pub use tuning::{Choice, Mechanism};
 
 /// README's code runs as a test.
 #[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
+#[doc = include_str!("../README.md")]
 struct Readme;
