@@ -15,7 +15,7 @@ pub struct Explanation {
     pub estimator: Estimator,
     /// What it is doing.
     pub phase: EstimatorPhase,
-    /// A start tries the aided and the adaptive estimator side by side: the gyroscope is there, and has led to no calibration yet.
+    /// The adaptive estimator is tried beside the aided one: the gyroscope keeps breaking off before it has led to a calibration, or is contradicted.
     pub tries_both: bool,
     /// What became of the latest sample; of the adaptive estimator, of its latest complete group of neighbouring samples. None before the first.
     pub sample: Option<SampleUse>,
