@@ -132,13 +132,13 @@ pub struct ChangeHypothesis {
 pub enum ChangeKind {
     /// Nothing was known before. Adaptive estimator only.
     FromNothing,
-    /// Nothing but how the device points, after a pause (aided), or since the calibration that was given (adaptive).
+    /// Nothing but how the device points: a pause. Aided estimator only.
     Unchanged,
     /// Hard and soft iron.
     Device,
     /// Hard iron alone. Adaptive estimator only.
     HardIron,
-    /// The device is back at a former calibration. Aided estimator only.
+    /// The device is back at a former calibration; of the adaptive estimator also at the one it began with.
     DeviceBack,
     /// The field of the place.
     Place,

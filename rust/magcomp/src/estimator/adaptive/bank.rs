@@ -22,8 +22,8 @@ use std::f64::consts::{FRAC_1_SQRT_2, LN_2};
 
 /// Choice: hypotheses that are kept.
 const MOST: usize = 18;
-/// Mathematics: places for those that one frame brings: six cold ones, eight changes, a fork and a twin.
-const BROUGHT: usize = 16;
+/// Mathematics: places for those that one frame brings: six cold ones, eight changes, a former one, a fork and a twin.
+const BROUGHT: usize = 17;
 /// Places of hypotheses, which are large and stay where they are.
 type Places = ArrayVec<usize, { MOST + BROUGHT }>;
 /// Choice: frames that hypotheses may run through again with one frame: three of the longest.
@@ -45,6 +45,7 @@ pub(super) struct Bank {
     pub all: Vec<Filter>,
     pub frames: Frames,
     pub noise: Noise,
+    former: Option<Gaussian>,
     next_id: u32,
     turn: usize,
     unit_ut: f64,
@@ -59,6 +60,7 @@ impl Bank {
             all: Vec::with_capacity(MOST + BROUGHT),
             frames: Frames::new(),
             noise: Noise::default(),
+            former: None,
             next_id: 0,
             turn: 0,
             unit_ut,
@@ -71,6 +73,7 @@ impl Bank {
     pub fn clear(&mut self) {
         self.all.clear();
         self.frames.clear();
+        self.former = None;
         (self.next_id, self.turn) = (0, 0);
         (self.looked, self.mirrored) = (0, 0);
     }
@@ -132,7 +135,7 @@ impl Bank {
 
     pub fn begin_given(&mut self, frame: &Frame, given: &Gaussian) {
         let base = State::new(given, frame.uneven.variance, frame.tilt.variance);
-        let mut filter = Filter::new(Kind::Given, base, given.mean, self.frames.next, frame.time_ns);
+        let mut filter = Filter::new(Kind::Former, base, given.mean, self.frames.next, frame.time_ns);
         filter.id = self.new_id();
         self.all.push(filter);
     }
@@ -180,6 +183,7 @@ impl Bank {
         let child = |kind: Kind, base: State, lin: Tau, of: u32, size: u8| {
             let mut child = Filter::new(kind, base, lin, number, frame.time_ns);
             (child.id, child.size, child.parent) = (of, size, id);
+            child.former = (kind != Kind::Place).then_some(known);
             child
         };
         let (of_device, of_place) = (self.new_id(), self.new_id());
@@ -211,6 +215,11 @@ impl Bank {
             base.moves_to(differs, frame.time_ns);
             base.log = log(tuning.places_per_h) - LN_2;
             self.all.push(child(Kind::Place, base, known.mean, of_place, size));
+        }
+        if let Some(former) = self.former.filter(|_| surprised && tuning.recall) {
+            let mut base = state.with(&former);
+            base.log = log(tuning.devices_per_h) - LN_2;
+            self.all.push(child(Kind::Former, base, former.mean, of_device, 2));
         }
         // b may move, or rest
         let is_rival = |it: &Filter| it.moves != moves && it.log_joint() > likely - 9.0;
@@ -296,8 +305,13 @@ impl Bank {
             }
         }
         self.keep(|k, _| kept.contains(&k));
-        if let Some(place) = self.best_place() {
-            self.all[place].look();
+        let Some(place) = self.best_place() else { return };
+        let best = &mut self.all[place];
+        best.look();
+        if best.is_known()
+            && let Some(former) = best.former.take()
+        {
+            self.former = Some(former);
         }
     }
 

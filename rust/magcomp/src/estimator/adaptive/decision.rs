@@ -77,14 +77,15 @@ impl Decision {
             return;
         }
         self.take(best);
-        self.order = ModelOrder::All;
+        self.order = if best.kind == Kind::Former { ModelOrder::Former } else { ModelOrder::All };
         if moved(&known) {
+            let kind = if best.kind == Kind::Former { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
             let told = self.event.is_some_and(|told| {
                 (best.onset_ns.saturating_sub(told.since_ns) as f64) < tuning.change_s * 1e9
                     && told.kind != EventKind::PlaceChanged
             });
             if !told {
-                self.event = Some(Event { kind: EventKind::DeviceStep, since_ns: best.onset_ns, decided_ns: time_ns });
+                self.event = Some(Event { kind, since_ns: best.onset_ns, decided_ns: time_ns });
             }
         }
     }

@@ -59,6 +59,6 @@ fn told(kind: Kind) -> ChangeKind {
         Kind::Cold => ChangeKind::FromNothing,
         Kind::Device => ChangeKind::Device,
         Kind::Place => ChangeKind::Place,
-        Kind::Given => ChangeKind::Unchanged,
+        Kind::Former => ChangeKind::DeviceBack,
     }
 }

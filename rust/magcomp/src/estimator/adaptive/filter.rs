@@ -28,7 +28,7 @@ pub(super) enum Kind {
     Cold,
     Device,
     Place,
-    Given,
+    Former,
 }
 
 /// A large change of the device, before it is done: b changes by what the field does meanwhile, but for what the device turns.
@@ -61,6 +61,7 @@ pub(super) struct Filter {
     lin: Tau,
     pub now: State,
     pub age: f64,
+    pub former: Option<Gaussian>,
     /// Until the first frame after a large change.
     pub leap: Option<Leap>,
     /// Expected direction error when it was last asked for, rad^2.
@@ -94,6 +95,7 @@ impl Filter {
             lin,
             now,
             age: 0.0,
+            former: None,
             leap: None,
             error: f64::MAX,
             scale_sd: None,

@@ -173,7 +173,7 @@ fn without(rule: &str) -> Tuning {
 /// the second without.
 type Case = (&'static str, fn(&mut World) -> f64, f64, f64);
 
-const CASES: [Case; 10] = [
+const CASES: [Case; 11] = [
     ("unevenness", in_an_uneven_place, 1.5, 2.5),
     ("tilting", in_a_hand_that_tilts, 2.5, 8.0),
     ("stays", in_a_rest_of_noise_that_lasts, 2.5, 4.0),
@@ -181,6 +181,7 @@ const CASES: [Case; 10] = [
     ("moves", while_b_drifts, 1.2, 2.5),
     ("leap", after_a_magnet, 4.0, 20.0),
     ("gradual", after_a_magnet_that_slides, 15.0, 30.0),
+    ("recall", while_a_magnet_is_taken_away_again, 5.0, 9.0),
     ("spread", told_of_turns_about_one_axis, 15.0, 22.0),
     ("twins", after_turns_about_one_axis, 22.0, 28.0),
     ("accelerometer_bias", suspected_with_a_biased_accelerometer, 0.1, 0.4),
@@ -227,6 +228,16 @@ fn after_a_magnet_that_slides(world: &mut World) -> f64 {
     world.drift_ut_s *= 0.0;
     world.run(1.5);
     world.run(8.0).off_ut()
+}
+
+fn while_a_magnet_is_taken_away_again(world: &mut World) -> f64 {
+    world.run(20.0);
+    world.hard_iron_ut += MAGNET_UT;
+    world.run(30.0);
+    world.turns *= 0.2;
+    world.run(2.0);
+    world.hard_iron_ut -= MAGNET_UT;
+    world.run(4.0).off_ut()
 }
 
 /// What is wrong in what is told; silence is right.

@@ -76,6 +76,8 @@ choices! {
         accelerometer_bias;
         /// Changes of the device that take time
         gradual;
+        /// Recall of the calibration from before the last step
+        recall;
         /// A rough way to another place
         rough;
         /// Learning of a place's unevenness
