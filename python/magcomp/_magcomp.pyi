@@ -172,7 +172,7 @@ class Compensator:
     def adopt(self, kept: str, unix_time_s: int | None = None) -> None:
         """Begins with a kept text, as sure as its age makes it. Raises `KeptError`."""
     def __reduce__(self) -> tuple[Any, ...]:
-        """A new compensator is pickled as its settings, for the same version of magcomp. One that has taken samples raises `MagcompError`."""
+        """A compensator is pickled with all that it has learned, for the same version of magcomp: another raises `MagcompError`."""
     def __copy__(self) -> Compensator: ...
     def __deepcopy__(self, _memo: Any) -> Compensator: ...
 

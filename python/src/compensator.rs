@@ -10,7 +10,7 @@ use magcomp::{
 };
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{PyBytes, PyDict, PyTuple};
 use std::iter::Peekable;
 use std::slice::Iter;
 
@@ -205,22 +205,12 @@ impl Compensator {
         Ok(())
     }
 
-    /// A new one is its settings. What one has learned is not written.
+    /// All that it knows, in bytes that the same version alone reads.
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyTuple>> {
         let python = slf.py();
-        let this = slf.borrow();
-        let new = magcomp::Compensator::new(this.0.config().clone())
-            .map_err(|error| ConfigError::new_err(error.to_string()))?;
-        if this.0 != new {
-            return Err(MagcompError::new_err(
-                "a compensator that has taken samples is not pickled, since its state cannot be written; pickle a new one, or what keep() returns",
-            ));
-        }
+        let state = postcard::to_stdvec(&slf.borrow().0).map_err(|error| MagcompError::new_err(error.to_string()))?;
         let make = python.import("magcomp._magcomp")?.getattr("_compensator")?;
-        PyTuple::new(
-            python,
-            [make, (env!("CARGO_PKG_VERSION"), this.config(python)?).into_pyobject(python)?.into_any()],
-        )
+        (make, (env!("CARGO_PKG_VERSION"), PyBytes::new(python, &state))).into_pyobject(python)
     }
 
     fn __copy__(&self) -> Self {
@@ -234,12 +224,14 @@ impl Compensator {
 
 /// A pickled compensator again.
 #[pyfunction]
-pub(crate) fn _compensator(version: &str, settings: &Bound<'_, PyDict>) -> PyResult<Compensator> {
+pub(crate) fn _compensator(version: &str, state: &[u8]) -> PyResult<Compensator> {
     if version != env!("CARGO_PKG_VERSION") {
         let here = env!("CARGO_PKG_VERSION");
         return Err(MagcompError::new_err(format!("it was pickled by magcomp {version}, and this is {here}")));
     }
-    Compensator::new(Some(settings))
+    let compensator = postcard::from_bytes(state)
+        .map_err(|error| MagcompError::new_err(format!("these are no bytes of a pickled compensator: {error}")))?;
+    Ok(Compensator(compensator))
 }
 
 /// Choice: samples between two looks whether Ctrl-C was pressed.

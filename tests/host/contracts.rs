@@ -202,9 +202,12 @@ fn a_known_field_strength_is_heard_by_every_method() {
 
 // 4. clones
 
-/// At the start, while tracking, suspect after a step, in another place, without a gyroscope, and at rest.
+/// At the start, while tracking, suspect after a step, in another place, without a gyroscope, and at rest; and one that was written and is read again.
 #[test]
 fn a_clone_goes_on_bit_for_bit_and_on_its_own() {
+    let read_again = |it: &Compensator| {
+        postcard::from_bytes(&postcard::to_stdvec(it).expect("it can be written")).expect("what was written")
+    };
     for method in METHODS {
         let mut whole = compensator(&Config { method, ..Config::default() });
         let mut phone = Phone::new(40, calibration(&REF, 45.0));
@@ -212,7 +215,7 @@ fn a_clone_goes_on_bit_for_bit_and_on_its_own() {
         for k in 0..3200 {
             if [1, 30, 120, 900, 1215, 1240, 1300, 1830, 2150, 2520, 2950].contains(&k) {
                 assert!(cloned.0 == whole, "{method:?}, sample {k}");
-                cloned = (whole.clone(), phone.clone());
+                cloned = (if k % 20 == 0 { whole.clone() } else { read_again(&whole) }, phone.clone());
                 // what another clone sees this one does not
                 let mut another = cloned.clone();
                 another.1.run(&mut another.0, 50);

@@ -38,16 +38,22 @@ fn settled(seed: u64, method: Method) -> (Phone, Compensator) {
 const FRAME: usize = 4;
 
 #[test]
-fn a_start_tries_both_until_the_aided_one_runs() {
+fn a_start_tries_the_magnetometer_alone_once_the_gyroscope_has_broken_off() {
     let (mut phone, mut compensator) = (Phone::new(1, truth()), compensator(Method::Auto));
     let before = compensator.explain();
     assert_eq!((before.phase, before.sample), (EstimatorPhase::Starting, None));
     phone.run(&mut compensator, 2);
-    assert!(compensator.explain().tries_both);
+    let mut broken = (phone.clone(), compensator.clone());
+    for (gyroscope, samples) in [(true, 20), (false, 60), (true, 2)] {
+        assert!(!broken.1.explain().tries_both);
+        broken.0.gyroscope = gyroscope;
+        broken.0.run(&mut broken.1, samples);
+    }
+    assert!(broken.1.explain().tries_both);
     let mut pooled = 0;
-    while compensator.explain().tries_both {
+    while compensator.explain().phase == EstimatorPhase::Starting {
         let it = compensator.explain();
-        assert!(it.innovation.is_none() && it.gated_share.is_none());
+        assert!(!it.tries_both && it.innovation.is_none() && it.gated_share.is_none());
         pooled += usize::from(it.estimator == Estimator::Aided && it.sample == Some(SampleUse::Pooled));
         phone.run(&mut compensator, 1);
         assert!(phone.time_ns < 30_000_000_000, "no calibration in 30 s");

@@ -64,7 +64,8 @@ fn the_counter_counts() {
 #[test]
 fn push_takes_no_memory() {
     for method in [Method::Auto, Method::Aided, Method::Adaptive, Method::Windowed, Method::Constant] {
-        let aided = matches!(method, Method::Auto | Method::Aided);
+        // ours listen to gyroscope and gravity
+        let turns = matches!(method, Method::Auto | Method::Aided | Method::Adaptive);
         let mut attitude = Rotation3::identity();
         let heading = HeadingConfig { declination_deg: Some(3.0), ..HeadingConfig::default() };
         let mut compensator =
@@ -81,8 +82,8 @@ fn push_takes_no_memory() {
             attitude *= Rotation3::new(rate_rad_s * 0.01);
             let carried = attitude.inverse() * Vector3::new(0.0, 20.0, -34.6);
             let field = match k {
-                _ if aided && k < 6000 => before.distort(&carried) + random.normal3() * 0.3,
-                _ if aided => after.distort(&carried) + random.normal3() * 0.3,
+                _ if turns && k < 6000 => before.distort(&carried) + random.normal3() * 0.3,
+                _ if turns => after.distort(&carried) + random.normal3() * 0.3,
                 0..3000 => random.raw_one(&before, 0.5),
                 3000..6000 => random.raw_one(&after, 0.5),
                 6000..8000 => after.distort(&Vector3::new(20.0, 10.0, -35.0)) + random.normal3() * 0.3,
@@ -101,7 +102,7 @@ fn push_takes_no_memory() {
             // the gyroscope goes and comes back
             let gone = (4000..5000).contains(&k);
             let turned = if gone { Ok(()) } else { compensator.push_rotation_rate(rate) };
-            let up_m_s2 = Vector3::new(0.0, 1.0, 9.7 + 1e-3 * f64::from(k as u32 % 2));
+            let up_m_s2 = attitude.inverse() * Vector3::new(0.0, 0.0, 9.8 + 1e-3 * f64::from(k as u32 % 2));
             let up = compensator.push_up(UpSample { time_ns, up_m_s2 });
             let reading = compensator.push(MagneticSample { time_ns, field_ut });
             std::hint::black_box(compensator.explain());
@@ -137,6 +138,26 @@ fn push_takes_no_memory() {
         }
         compensator.reset();
         assert_eq!(taken() - start, 0, "{method:?}: keep, adopt and reset");
+    }
+}
+
+/// Nor does the push of a clone, wherever in the stream it was made.
+#[test]
+fn a_clones_push_takes_no_memory() {
+    for method in [Method::Auto, Method::Aided, Method::Adaptive, Method::Windowed, Method::Constant] {
+        let mut compensator = Compensator::new(Config { method, ..Config::default() }).expect("a valid config");
+        let truth = calibration(&REF, 40.0);
+        let mut random = Random::new(401);
+        for k in 0..1_500 {
+            let field_ut = random.raw_one(&truth, 0.3);
+            if k % 37 == 5 {
+                let mut clone = compensator.clone();
+                let start = taken();
+                clone.push(sample(k, field_ut));
+                assert_eq!(taken() - start, 0, "{method:?}, clone at sample {k}");
+            }
+            compensator.push(sample(k, field_ut));
+        }
     }
 }
 

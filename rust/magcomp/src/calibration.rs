@@ -99,7 +99,7 @@ impl TryFrom<CalibrationParts> for Calibration {
 }
 
 /// A calibration from elsewhere, and how well it is believed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Given {
     pub calibration: Calibration,
     /// In the order b_x b_y b_z (uT) m_xx m_yy m_zz m_xy m_xz m_yz.

@@ -67,7 +67,7 @@ pub use tunings::Tunings;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 /// Two are equal when they will answer alike, but for samples of another clock that were refused so far.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Compensator {
     config: Config,
     tuning: Tuning,

@@ -75,7 +75,7 @@ pub enum EstimatorPhase {
 }
 
 /// What became of a sample.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum SampleUse {
     /// The estimate was corrected by it.
@@ -98,7 +98,7 @@ pub enum SampleUse {
 }
 
 /// A sample against what was expected of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub struct InnovationTest {
     /// Raw sample less the expected one, device axes, uT.

@@ -102,6 +102,7 @@ mod north;
 mod priors;
 mod range;
 mod reading;
+mod room;
 mod sample;
 mod sensing;
 mod strength;

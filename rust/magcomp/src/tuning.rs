@@ -34,7 +34,7 @@ macro_rules! choices {
         $($(#[doc = $what:literal])+ $switch:ident;)+
     })?) => {
         $(#[doc = $about])+
-        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
         pub(crate) struct $name {
             $($(#[doc = $meaning])+ pub $field: f64,)+
             $($($(#[doc = $what])+ pub $switch: bool,)+)?

@@ -39,7 +39,7 @@ type Matrix9 = SMatrix<f64, 9, 9>;
 type Vector9 = SVector<f64, 9>;
 
 /// One summand: log of its weight, mean and covariance of x.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 struct Summand {
     log_weight: f64,
     mean: Vector9,
@@ -47,7 +47,7 @@ struct Summand {
 }
 
 /// A calibration that live samples have not confirmed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Adopted {
     kept: Calibration,
     inclination_deg: Option<f64>,

@@ -10,7 +10,7 @@ use crate::math::elementary::exp;
 use crate::priors::{DAYS_UT, IRON_PER_UT, SETTLED_S};
 
 /// See the module.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Belief {
     /// What was adopted, until something is learned from live samples.
     pub adopted: Option<Adopted>,

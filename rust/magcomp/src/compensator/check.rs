@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 const LONGEST_GAP_S: f64 = 604_800.0;
 
 /// The samples so far, as the checks of the next one look at them.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub(super) struct Stream {
     latest: Option<MagneticSample>,
     /// How many equal samples came in a row before the latest.

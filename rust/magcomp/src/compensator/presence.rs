@@ -3,7 +3,7 @@
 use super::tuning::Tuning;
 
 /// See the module.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Presence {
     /// Time of the latest sample with a rotation, ns.
     rotated_ns: Option<i64>,

@@ -12,14 +12,14 @@ const REPEATS: u32 = 4;
 const TURNED_UT: f64 = 10.0;
 
 /// See the module.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Rails {
     latest_ut: Option<Vector3<f64>>,
     axes: [Extremes; 3],
 }
 
 /// The extremes that one axis has read, and how it repeats them.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 struct Extremes {
     lowest_ut: f64,
     highest_ut: f64,

@@ -6,7 +6,7 @@ use crate::estimator::{adaptive, aided};
 use crate::tuning::{Choice, Mechanism};
 
 /// The choices of every estimator, and the switches of every part.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Tunings {
     pub(crate) estimators: EstimatorTunings,
     pub(super) compensator: Tuning,

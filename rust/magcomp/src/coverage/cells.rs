@@ -27,14 +27,30 @@ const BANDS: [Band; 6] = [
 const CUTS: [&[f64]; 3] = [&[], &[1.0], &[0.577_350_269_189_625_8, 1.732_050_807_568_877_2]];
 
 /// Which of the latest samples was seen in each cell.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Coverage {
     /// Number of the sample that was last seen in each cell, the first is 1; 0: none was.
+    #[serde(with = "each")]
     last_seen: [u64; CELLS],
     /// Number of the latest sample.
     latest: u64,
     /// So many of the latest samples count.
     window: u64,
+}
+
+/// More numbers than serde knows arrays of.
+mod each {
+    use super::CELLS;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+
+    pub fn serialize<S: Serializer>(cells: &[u64; CELLS], to: S) -> Result<S::Ok, S::Error> {
+        cells.as_slice().serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<[u64; CELLS], D::Error> {
+        let cells = Vec::<u64>::deserialize(from)?;
+        cells.try_into().map_err(|_| D::Error::custom("another number of cells"))
+    }
 }
 
 impl Default for Coverage {

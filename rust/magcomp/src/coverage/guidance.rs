@@ -5,6 +5,7 @@ use super::cells::Coverage;
 use super::tuning::Tuning;
 use crate::calibration::{Calibration, typical_field_ut};
 use crate::ellipsoid::Moments;
+use crate::room::Roomy;
 use nalgebra::Vector3;
 use std::collections::VecDeque;
 
@@ -12,13 +13,13 @@ use std::collections::VecDeque;
 pub(crate) const ANEW_SAMPLES: usize = Tuning::USED.anew_samples as usize;
 
 /// See the module.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Guidance {
     coverage: Coverage,
     /// Directions are counted as seen through this.
     through: Option<Calibration>,
     /// The latest N_max samples at the most, oldest first, in half the memory.
-    latest: VecDeque<Vector3<f32>>,
+    latest: Roomy<VecDeque<Vector3<f32>>>,
     samples: usize,
     longest: usize,
     /// Of the latest samples that count, while there is no calibration.
@@ -33,7 +34,7 @@ impl Guidance {
         Self {
             coverage: Coverage::default(),
             through: None,
-            latest: VecDeque::with_capacity(longest),
+            latest: Roomy::<VecDeque<_>>::new(longest),
             samples: 0,
             longest,
             moments: Moments::new(Vector3::zeros(), typical_ut),

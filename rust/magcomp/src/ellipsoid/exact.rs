@@ -3,7 +3,7 @@
 use nalgebra::{ArrayStorage, SVector};
 
 /// Exact running sums of so many values at once, in units of 2^-60.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct ExactSums<const N: usize>(SVector<i128, N>);
 
 /// Mathematics: units of 2^-20, and of 2^-40 of those.

@@ -73,7 +73,7 @@ const PLACES: [[Entry; 10]; 10] = {
 };
 
 /// Exact sums of the monomials of a set of raw samples.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Moments {
     centre_ut: Vector3<f64>,
     scale_ut: f64,

@@ -20,7 +20,7 @@ use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3};
 type Matrix9 = SMatrix<f64, 9, 9>;
 
 /// An ellipsoid and how far to trust it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub struct EllipsoidFit {
     /// M, b and the field strength.

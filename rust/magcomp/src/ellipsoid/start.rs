@@ -15,7 +15,7 @@ use crate::math::symmetric::{six, symmetric};
 use nalgebra::{Matrix3, Matrix4, Matrix6, SMatrix, SVector, Vector3, Vector6};
 
 /// An ellipsoid (u - beta)^T A (u - beta) = 1 in centred and scaled coordinates, as (A, a = A beta).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Shape {
     pub a: Matrix3<f64>,
     /// a = A beta.

@@ -6,6 +6,7 @@ use super::paper::{WindowedConfig, evenness};
 use crate::calibration::Calibration;
 use crate::coverage::ANEW_SAMPLES;
 use crate::ellipsoid::direction_sigma_deg;
+use crate::room::Roomy;
 use nalgebra::{SMatrix, Vector3};
 use std::collections::VecDeque;
 
@@ -16,11 +17,11 @@ pub(super) struct InForce {
 }
 
 /// See the module.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Figures {
     config: WindowedConfig,
     /// The latest N_min samples, oldest first.
-    latest: VecDeque<Vector3<f64>>,
+    latest: Roomy<VecDeque<Vector3<f64>>>,
     /// Samples so far.
     samples: usize,
     /// In force the last time that it was asked for, or given since.
@@ -32,7 +33,7 @@ pub(super) struct Figures {
 impl Figures {
     /// All memory is taken here.
     pub fn new(config: WindowedConfig) -> Self {
-        let latest = VecDeque::with_capacity(config.n_min);
+        let latest = Roomy::<VecDeque<_>>::new(config.n_min);
         Self { config, latest, samples: 0, calibration: None, sigma_t: None, direction_sigma_deg: None }
     }
 

@@ -22,7 +22,7 @@ use paper::{Windowed, WindowedConfig};
 pub(crate) use tunings::EstimatorTunings;
 
 /// The estimator that a config asks for.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[expect(clippy::large_enum_variant, reason = "there is one, and it stands in a box")]
 pub(crate) enum Estimator {
     Ours(Ours),

@@ -18,7 +18,7 @@ use crate::sensing::pairing::PairedInertial;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// See the module.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Ours {
     tunings: EstimatorTunings,
     strength_ut: Option<f64>,
@@ -30,7 +30,7 @@ pub(crate) struct Ours {
 }
 
 /// Which estimators a sample goes to.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 enum Gyroscope {
     /// To the adaptive one.
     Missing,

@@ -24,7 +24,7 @@ const GROWS: f64 = 10.0;
 const FALLS: f64 = 0.1;
 
 /// Why a descent stopped. Each is an answer; `Stalled` and `MaxIterations` say how good.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub enum Termination {
     /// The last step was below the tolerance.

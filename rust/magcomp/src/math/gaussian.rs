@@ -94,7 +94,7 @@ impl<const LEN: usize> Part<LEN> {
 pub(crate) type Held<'a> = &'a [Range<usize>];
 
 /// Mean and covariance, which is symmetric.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Gaussian<const N: usize> {
     pub mean: SVector<f64, N>,
     pub covariance: SMatrix<f64, N, N>,

@@ -12,7 +12,7 @@ use crate::priors::BEYOND_CHANCE;
 const CLIPPED_MEAN: f64 = 0.995;
 
 /// See the module.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct MeanSquare {
     value: f64,
     count: f64,

@@ -22,14 +22,14 @@ const LASTS: usize = 5;
 const RATIO: f64 = 3.0;
 
 /// What lasts until the next miss: the correlation with it, and the variance.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Lasting {
     pub phi: f64,
     pub variance: f64,
 }
 
 /// Standard deviation of a process, and its correlation time, s.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Process {
     pub size: f64,
     pub lasts_s: f64,
@@ -42,7 +42,7 @@ impl Process {
     }
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 struct Cell {
     mean: f64,
     variance: f64,
@@ -50,7 +50,7 @@ struct Cell {
 }
 
 /// See the module.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Markov {
     believed: (f64, f64),
     cells: [[Cell; SIZES]; LASTS],

@@ -20,7 +20,7 @@ const LENGTHS: usize = 7;
 /// between white noise, 0.5, and what lasts, 1.
 const BETTER: f64 = FRAC_1_SQRT_2;
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 struct Length {
     /// The mean that waits for its neighbour.
     pending: Option<f64>,
@@ -29,7 +29,7 @@ struct Length {
 }
 
 /// See the module.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Stays {
     lengths: [Length; LENGTHS],
 }

@@ -11,7 +11,7 @@ use crate::priors::BEYOND_CHANCE;
 use nalgebra::{Matrix3, Vector3};
 
 /// East, north and up, device frame, of length 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Level {
     pub east: Vector3<f64>,
     pub north: Vector3<f64>,
@@ -95,7 +95,7 @@ impl Own {
 }
 
 /// North, and how well it is known.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Carried {
     level: Level,
     /// s^2 but for what all headings have in common, rad^2.

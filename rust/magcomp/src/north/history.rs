@@ -13,14 +13,14 @@ pub(super) const LATEST_S: f64 = 5.0;
 const TURNS: usize = 64;
 
 /// Turns since the chain of rotations began.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct History {
     turns: ArrayVec<Turned, TURNS>,
     latest: Option<Turned>,
 }
 
 /// C: takes a vector of the device frame at the chain's beginning to that at `time_ns`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 struct Turned {
     time_ns: i64,
     turn: Matrix3<f64>,

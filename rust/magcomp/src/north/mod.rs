@@ -36,7 +36,7 @@ use tuning::Tuning;
 const WAITING: usize = 32;
 
 /// North as headings from outside tell it.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct North {
     waiting: ArrayVec<HeadingSample, WAITING>,
     history: History,
@@ -48,7 +48,7 @@ pub(crate) struct North {
 }
 
 /// The latest heading that was used or ignored.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 struct Heard {
     time_ns: i64,
     was: HeadingAid,

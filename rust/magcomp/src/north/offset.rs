@@ -8,7 +8,7 @@ use crate::priors::BEYOND_CHANCE;
 use nalgebra::Vector3;
 
 /// The angle and how well it is known.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Offset {
     /// Of this axis of the device.
     pub axis: Vector3<f64>,

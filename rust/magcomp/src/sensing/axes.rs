@@ -43,7 +43,7 @@ const SETS: usize = 8;
 const WAYS: usize = SETS + 1;
 
 /// See the module.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Axes {
     /// a and a', for the turn as it is read and each rival's; of the sets with the signs of their axes turned over.
     sum: [Vector3<f64>; WAYS],

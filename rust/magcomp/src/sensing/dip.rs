@@ -17,7 +17,7 @@ use nalgebra::{SMatrix, SVector, Vector3};
 type Products = SVector<f64, 9>;
 
 /// See the module.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Dip {
     sum: Products,
     samples: f64,

@@ -76,14 +76,14 @@ pub(crate) struct Rotation {
     pub variance_rad2: f64,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 struct Event {
     time_ns: i64,
     value: Vector3<f64>,
 }
 
 /// Buffers rotation-rate and `up` events and pairs them with magnetometer samples by time.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct InertialPairing {
     rates: ArrayVec<Event, EVENTS>,
     ups: ArrayVec<Event, EVENTS>,

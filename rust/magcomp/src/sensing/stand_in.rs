@@ -8,7 +8,7 @@ use crate::sensing::pairing::{EventRejection, InertialPairing, STALE_S};
 use nalgebra::UnitQuaternion;
 
 /// The latest pose, and when the gyroscope itself last spoke.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct StandIn {
     pose: Option<(i64, UnitQuaternion<f64>)>,
     gyroscope_ns: Option<i64>,

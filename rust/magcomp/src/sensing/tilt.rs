@@ -37,13 +37,13 @@ pub(crate) fn calm(up_m_s2: &Vector3<f64>) -> Option<Vector3<f64>> {
 }
 
 /// See the module.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Tilt {
     /// u and the rest, once there was a sample.
     filter: Option<Filter>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 struct Filter {
     up: Vector3<f64>,
     variance: f64,

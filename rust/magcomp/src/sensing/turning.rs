@@ -35,7 +35,7 @@ pub(super) type Frame = [(usize, f64); 3];
 pub(super) const AS_READ: Frame = [(0, 1.0), (1, 1.0), (2, 1.0)];
 
 /// See the module.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Turning {
     /// m, W and A up to the latest sample, counted from the window's beginning; their sum over the window's samples, how many those are, and how long it is, s.
     now: Changes,
@@ -50,7 +50,7 @@ pub(crate) struct Turning {
 }
 
 /// What the field says of the gyroscope's turns.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Verdict {
     /// It does not turn as the gyroscope says: with other axes, or not at all, it is explained better.
     pub contradicts: bool,

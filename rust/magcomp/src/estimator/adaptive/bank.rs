@@ -15,6 +15,7 @@ use crate::estimator::answer::LEAST_TOLD_UT;
 use crate::math::elementary::{exp, ln};
 use crate::math::symmetric::{basis, six};
 use crate::priors::{HOPELESS, IRON_PER_UT, LARGEST_UT, RARE, ROOM_UT};
+use crate::room::Roomy;
 use crate::strength::EARTH_SD;
 use arrayvec::ArrayVec;
 use nalgebra::{Matrix3, SMatrix, Vector3};
@@ -40,9 +41,9 @@ const KNOWN_FRAMES: u64 = 96;
 /// well: a change that was just seen needs so many before its hypotheses are known to that.
 const YOUNG: u64 = KNOWN_FRAMES / 2;
 
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Bank {
-    pub all: Vec<Filter>,
+    pub all: Roomy<Vec<Filter>>,
     pub frames: Frames,
     pub noise: Noise,
     former: Option<Gaussian>,
@@ -57,7 +58,7 @@ impl Bank {
     /// Takes all memory.
     pub fn new(unit_ut: f64) -> Self {
         Self {
-            all: Vec::with_capacity(MOST + BROUGHT),
+            all: Roomy::<Vec<_>>::new(MOST + BROUGHT),
             frames: Frames::new(),
             noise: Noise::default(),
             former: None,
@@ -82,7 +83,7 @@ impl Bank {
     pub fn believe(&mut self, noise: &Noise, tuning: &Tuning) {
         self.noise = *noise;
         self.frames.believe(noise);
-        for filter in &mut self.all {
+        for filter in self.all.iter_mut() {
             filter.again(&self.frames, tuning, self.unit_ut);
         }
     }
@@ -164,7 +165,7 @@ impl Bank {
             }
         }
         self.frames.push(frame);
-        for filter in &mut self.all {
+        for filter in self.all.iter_mut() {
             filter.add(&frame, tuning, self.unit_ut);
         }
         self.settle(tuning);

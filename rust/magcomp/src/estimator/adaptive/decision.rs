@@ -9,7 +9,7 @@ use crate::priors::RARE;
 use crate::reading::{Event, EventKind, ModelOrder};
 
 /// The latest decision.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Decision {
     id: u32,
     /// Kind and onset of the change that is in force.

@@ -23,7 +23,7 @@ const NEAR: f64 = 0.04;
 const KNOWN_DEG: f64 = 0.8;
 
 /// What a hypothesis says has changed at its onset.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(super) enum Kind {
     Cold,
     Device,
@@ -32,7 +32,7 @@ pub(super) enum Kind {
 }
 
 /// A large change of the device, before it is done: b changes by what the field does meanwhile, but for what the device turns.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Leap {
     /// What was known before it.
     pub known: Gaussian,
@@ -45,7 +45,7 @@ pub(super) struct Leap {
     pub step: f64,
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Filter {
     pub kind: Kind,
     pub id: u32,

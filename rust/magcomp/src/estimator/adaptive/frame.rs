@@ -3,11 +3,12 @@
 
 use crate::math::elementary::ln;
 use crate::noise::{Lasting, Process};
+use crate::room::Roomy;
 use nalgebra::Vector3;
 use std::f64::consts::LN_2;
 
 /// See the module.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Frame {
     pub time_ns: i64,
     /// Mean of the samples, units.
@@ -30,7 +31,7 @@ pub(super) struct Frame {
 }
 
 /// What is believed of the noise, in units and radians.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Noise {
     /// White variance of a sample, units^2.
     pub white: f64,
@@ -69,16 +70,16 @@ const MOVED: f64 = 0.5 * LN_2;
 pub(super) const MOST: u64 = 256;
 
 /// The latest frames by their number.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Frames {
-    ring: Vec<Frame>,
+    ring: Roomy<Vec<Frame>>,
     pub next: u64,
 }
 
 impl Frames {
     /// Takes all memory.
     pub fn new() -> Self {
-        Self { ring: Vec::with_capacity(MOST as usize), next: 0 }
+        Self { ring: Roomy::<Vec<_>>::new(MOST as usize), next: 0 }
     }
 
     pub fn clear(&mut self) {

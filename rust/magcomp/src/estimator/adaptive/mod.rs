@@ -41,7 +41,7 @@ pub(crate) use tuning::Tuning;
 const FEWEST: usize = 16;
 
 /// Groups that become one frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 struct Pooled {
     sum: Vector3<f64>,
     up: Vector3<f64>,
@@ -49,7 +49,7 @@ struct Pooled {
 }
 
 /// Where the device stays.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 struct Stay {
     at: Vector3<f64>,
     latest_ns: i64,
@@ -60,7 +60,7 @@ struct Stay {
 }
 
 /// The estimator. All state is plain numbers.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Adaptive {
     tuning: Tuning,
     unit_ut: f64,

@@ -30,7 +30,7 @@ pub(super) const NOTHING: f64 = 1e-6;
 pub(super) const LEAST_VARIANCE: f64 = 1e-8;
 
 /// A Gaussian over tau.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Gaussian {
     pub mean: Tau,
     pub covariance: TauMatrix,

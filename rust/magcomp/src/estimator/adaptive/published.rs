@@ -15,7 +15,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 type Matrix9 = SMatrix<f64, 9, 9>;
 
 /// A Gaussian over tau in coordinates of `unit_ut`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Published {
     pub known: Gaussian,
     /// Expected direction error all around, rad^2.

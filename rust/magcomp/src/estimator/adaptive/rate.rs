@@ -15,7 +15,7 @@ use crate::noise::Process;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// Units a second; zero and sure where b rests.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Rate<const N: usize = STATES> {
     pub mean: Vector3<f64>,
     /// Covariance with the state.

@@ -15,7 +15,7 @@ use crate::priors::BEYOND_CHANCE;
 use nalgebra::{Matrix3, Vector3};
 
 /// What is known before a spread begins: the covariance of beta, and the variances of the strength, relative, and of mu.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Before {
     pub beta: Matrix3<f64>,
     pub strength: f64,
@@ -23,7 +23,7 @@ pub(super) struct Before {
 }
 
 /// See the module.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Spread {
     before: Before,
     frames: f64,

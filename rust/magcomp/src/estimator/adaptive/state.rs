@@ -56,7 +56,7 @@ pub(super) struct Way {
     pub rates: Option<Process>,
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct State<const N: usize = STATES> {
     pub x: Numbers<N>,
     pub p: SMatrix<f64, N, N>,

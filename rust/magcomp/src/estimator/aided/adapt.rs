@@ -26,7 +26,7 @@ use super::tuning::Tuning;
 const LEAST_NOISE_UT: f64 = 0.2;
 
 /// Noise levels, learned.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Adaptation {
     /// Of a sample, and of a frame's mean.
     sample: White,
@@ -53,7 +53,7 @@ pub(crate) struct Adaptation {
 }
 
 /// White noise, from one sample or frame to the next.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 struct White {
     variance_ut2: f64,
     /// The one before, uT, and the turn since then.

@@ -12,7 +12,7 @@ use super::tuning::Tuning;
 use crate::math::elementary::{exp, ln};
 
 /// See the module.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Bursts {
     /// t.
     seconds: f64,
@@ -22,7 +22,7 @@ pub(super) struct Bursts {
 }
 
 /// Misfits, forgotten over T.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 struct Misfits {
     count: f64,
     /// Share of samples that were gated.

@@ -17,7 +17,7 @@ use super::tuning::Tuning;
 use crate::math::gaussian::Gaussian;
 
 /// The Earth's field in a place whose field is another.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Earth {
     /// When the field of the place changed.
     pub(crate) since_ns: i64,

@@ -40,7 +40,7 @@ pub(crate) enum Verdict {
 }
 
 /// How a trial began.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Began {
     /// With a pause, in which the turn was guessed: `place` is then that nothing but it changed.
     pub(crate) is_blind: bool,
@@ -49,7 +49,7 @@ pub(crate) struct Began {
 }
 
 /// The hypotheses `device` and `place`, running.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Trial {
     /// Whether the field of the place was found to have changed, and whether it was before.
     is_place: bool,

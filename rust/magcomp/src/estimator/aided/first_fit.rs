@@ -32,7 +32,7 @@ const DELAY_SD_S: f64 = 0.010;
 const TRACE_VARIANCE: f64 = 1e-8;
 
 /// A start under way.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct FirstFit {
     groups: Groups,
     /// The latest fit.
@@ -57,7 +57,7 @@ pub(super) struct FirstFit {
 }
 
 /// A calibration from elsewhere, or from before a pause: b and e.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Before {
     pub(super) calibration: Gaussian<9>,
     /// |h|, uT.

@@ -17,7 +17,7 @@ const LONGEST_S: f64 = 0.04;
 const LARGEST_HALF: f64 = 0.1;
 
 /// The samples so far.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Frame {
     /// Those that say something, and all.
     samples: f64,

@@ -24,7 +24,7 @@ const LONGEST_S: f64 = Tuning::USED.memory_s;
 const SHORTEST_S: f64 = LONGEST_S / 4.0;
 
 /// Sums over the samples of a group, or their means as seen from the latest sample with the gyroscope's errors taken out.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Group {
     turn: Matrix3<f64>,
     /// R' to the samples: their mean field is `back` h.
@@ -57,7 +57,7 @@ impl Group {
 }
 
 /// The groups, the oldest first; the last one is being filled.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Groups {
     groups: [Group; GROUPS],
     used: usize,

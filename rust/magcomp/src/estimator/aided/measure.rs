@@ -37,14 +37,14 @@ pub(crate) struct Innovation {
 }
 
 /// What became of a sample: only told.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Judged {
     pub(crate) usage: SampleUse,
     pub(crate) innovation: Option<Summary>,
 }
 
 /// What is kept of an innovation.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Summary {
     pub(crate) v: Vector3<f64>,
     pub(crate) variance_ut2: Vector3<f64>,

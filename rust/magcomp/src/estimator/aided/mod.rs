@@ -58,7 +58,7 @@ use watch::Former;
 const NANO: f64 = 1e-9;
 
 /// The estimator. All state is plain numbers: it can be cloned and compared.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Aided {
     tuning: Tuning,
     last_ns: Option<i64>,

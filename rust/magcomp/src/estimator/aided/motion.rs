@@ -26,7 +26,7 @@ const LEAST_PULL: f64 = 0.5;
 const LEAST_BRIDGED_RAD2_S: f64 = ANGLE_WALK_RAD * ANGLE_WALK_RAD;
 
 /// Motion statistics.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Motion {
     rate_rad_s: f64,
     mean_rad_s: Vector3<f64>,

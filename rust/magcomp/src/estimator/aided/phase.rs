@@ -18,7 +18,7 @@ use crate::math::gaussian::Gaussian;
 use crate::strength::STRONGEST_AXIS_UT;
 
 /// See the module.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[expect(clippy::large_enum_variant, reason = "it is overwritten in place: a box would allocate")]
 pub(super) enum Phase {
     /// No calibration that live samples have confirmed.
@@ -30,7 +30,7 @@ pub(super) enum Phase {
 }
 
 /// The filter and what belongs to it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Running {
     pub(super) filter: Filter,
     pub(super) watch: Watch,

@@ -18,7 +18,7 @@ use super::tuning::Tuning;
 use crate::math::turn::Turn;
 
 /// The filter without what the samples of the last one to two seconds have told it.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Quarantine {
     /// Proven, and the way from there to `pending`.
     proven: Option<Earlier>,
@@ -57,14 +57,14 @@ impl Quarantine {
 }
 
 /// A filter of before, and the way from it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 struct Earlier {
     filter: Filter,
     way: Way,
 }
 
 /// How the device turned, and what the process noise has added up to.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 struct Way {
     turn: Matrix3<f64>,
     /// G: what bias and axes of the gyroscope add to the turn.

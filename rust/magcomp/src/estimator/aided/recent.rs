@@ -7,13 +7,13 @@ use nalgebra::Vector3;
 const STEPS: usize = 16;
 
 /// The latest steps of the gyroscope, each with the sample at its end, in a ring.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Recent {
     steps: [Entry; STEPS],
     newest: usize,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 struct Entry {
     /// Turn that the gyroscope read, rad, in so many seconds.
     rad: Vector3<f64>,

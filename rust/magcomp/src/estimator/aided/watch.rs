@@ -15,7 +15,7 @@ use crate::calibration::iron_rows;
 use crate::math::gaussian::Gaussian;
 
 /// A calibration that was in force before a step.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Former {
     calibration: Gaussian<9>,
 }
@@ -39,7 +39,7 @@ impl Former {
 }
 
 /// Watches the share of samples that the filter does not explain.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Watch {
     /// Low-passed share of gated samples.
     share: f64,

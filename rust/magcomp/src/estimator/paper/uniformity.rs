@@ -49,7 +49,7 @@ pub fn uniformity(corrected: impl IntoIterator<Item = Vector3<f64>>, normalisati
 }
 
 /// How the latest samples look through a calibration.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Evenness {
     /// (15).
     pub sigma_t: f64,

@@ -25,7 +25,7 @@ use crate::sample::MagneticSample;
 use nalgebra::{Matrix3, Vector3};
 
 /// The paper's estimator.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Windowed {
     config: WindowedConfig,
     /// |h|, uT, where it is known.
@@ -37,7 +37,7 @@ pub(crate) struct Windowed {
 }
 
 /// What is carried from sample to sample beside the samples themselves.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 struct State {
     /// M_k, b_k.
     calibration: Option<Calibration>,
