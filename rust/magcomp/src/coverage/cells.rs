@@ -1,6 +1,7 @@
 //! When each direction of the sphere was last seen: 48 cells of equal area.
 
 use crate::math::elementary::{cos, sin};
+use arrayvec::ArrayVec;
 use nalgebra::Vector3;
 
 /// Mathematics: cells on the whole sphere, the sum of those of the bands, each about 30 degrees across.
@@ -30,33 +31,17 @@ const CUTS: [&[f64]; 3] = [&[], &[1.0], &[0.577_350_269_189_625_8, 1.732_050_807
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Coverage {
     /// Number of the sample that was last seen in each cell, the first is 1; 0: none was.
-    #[serde(with = "each")]
-    last_seen: [u64; CELLS],
+    last_seen: ArrayVec<u64, CELLS>,
     /// Number of the latest sample.
     latest: u64,
     /// So many of the latest samples count.
     window: u64,
 }
 
-/// More numbers than serde knows arrays of.
-mod each {
-    use super::CELLS;
-    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
-
-    pub fn serialize<S: Serializer>(cells: &[u64; CELLS], to: S) -> Result<S::Ok, S::Error> {
-        cells.as_slice().serialize(to)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<[u64; CELLS], D::Error> {
-        let cells = Vec::<u64>::deserialize(from)?;
-        cells.try_into().map_err(|_| D::Error::custom("another number of cells"))
-    }
-}
-
 impl Default for Coverage {
     /// Nothing was seen, and every sample will count.
     fn default() -> Self {
-        Self { last_seen: [0; CELLS], latest: 0, window: u64::MAX }
+        Self { last_seen: [0; CELLS].into(), latest: 0, window: u64::MAX }
     }
 }
 
