@@ -4,31 +4,23 @@ use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::ops::{Deref, DerefMut};
 
-/// A collection with the room that it began with.
-#[derive(Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Roomy<C>(C);
+/// A queue with the room that it began with.
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Roomy<T>(VecDeque<T>);
 
-impl<T> Roomy<Vec<T>> {
-    pub fn new(room: usize) -> Self {
-        Self(Vec::with_capacity(room))
-    }
-}
-
-impl<T> Roomy<VecDeque<T>> {
+impl<T> Roomy<T> {
     pub fn new(room: usize) -> Self {
         Self(VecDeque::with_capacity(room))
     }
 }
 
-impl<T: Clone> Clone for Roomy<Vec<T>> {
-    fn clone(&self) -> Self {
-        let mut clone = Self::new(self.capacity());
-        clone.extend_from_slice(self);
-        clone
+impl<T> Default for Roomy<T> {
+    fn default() -> Self {
+        Self::new(0)
     }
 }
 
-impl<T: Clone> Clone for Roomy<VecDeque<T>> {
+impl<T: Clone> Clone for Roomy<T> {
     fn clone(&self) -> Self {
         let mut clone = Self::new(self.capacity());
         clone.extend(self.iter().cloned());
@@ -36,16 +28,16 @@ impl<T: Clone> Clone for Roomy<VecDeque<T>> {
     }
 }
 
-impl<C> Deref for Roomy<C> {
-    type Target = C;
+impl<T> Deref for Roomy<T> {
+    type Target = VecDeque<T>;
 
-    fn deref(&self) -> &C {
+    fn deref(&self) -> &VecDeque<T> {
         &self.0
     }
 }
 
-impl<C> DerefMut for Roomy<C> {
-    fn deref_mut(&mut self) -> &mut C {
+impl<T> DerefMut for Roomy<T> {
+    fn deref_mut(&mut self) -> &mut VecDeque<T> {
         &mut self.0
     }
 }

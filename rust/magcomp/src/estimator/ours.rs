@@ -120,16 +120,14 @@ impl Ours {
             Gyroscope::Missing => adaptive.push(time_ns, &raw_ut, paired.up_m_s2),
             Gyroscope::Starting(aided) => {
                 let told = aided.push(time_ns, raw_ut, paired);
-                if !is_doubted(aided, self.is_contradicted) {
-                    told
-                } else {
-                    let mut other = adaptive.push(time_ns, &raw_ut, paired.up_m_s2);
-                    if knows_more(aided, adaptive, self.is_contradicted) {
-                        told
-                    } else {
+                let is_doubted = is_doubted(aided, self.is_contradicted);
+                let other = is_doubted.then(|| adaptive.push(time_ns, &raw_ut, paired.up_m_s2));
+                match other {
+                    Some(mut other) if !knows_more(aided, adaptive, self.is_contradicted) => {
                         other.1.carry = told.1.carry.filter(|_| !self.is_contradicted);
                         other
                     }
+                    _ => told,
                 }
             }
         };
@@ -237,8 +235,11 @@ fn is_doubted(aided: &Aided, is_contradicted: bool) -> bool {
 /// Which of the two of a start answers: the one with the gyroscope, unless that is contradicted, or it keeps breaking off and the other one alone
 /// knows a calibration, or has learned b better.
 fn knows_more(aided: &Aided, adaptive: &Adaptive, is_contradicted: bool) -> bool {
-    if !is_doubted(aided, is_contradicted) || is_contradicted {
-        return !is_contradicted;
+    if is_contradicted {
+        return false;
+    }
+    if !is_doubted(aided, is_contradicted) {
+        return true;
     }
     let of_b = |p: SMatrix<f64, 9, 9>| p.fixed_view::<3, 3>(0, 0).trace();
     match (aided.covariance().map(of_b), adaptive.covariance().map(of_b)) {
