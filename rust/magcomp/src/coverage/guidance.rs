@@ -7,6 +7,7 @@ use crate::calibration::{Calibration, typical_field_ut};
 use crate::ellipsoid::Moments;
 use crate::room::Roomy;
 use nalgebra::Vector3;
+use std::collections::VecDeque;
 
 /// Samples from one look for what is too dear for every sample to the next.
 pub(crate) const ANEW_SAMPLES: usize = Tuning::USED.anew_samples as usize;
@@ -18,7 +19,7 @@ pub(crate) struct Guidance {
     /// Directions are counted as seen through this.
     through: Option<Calibration>,
     /// The latest N_max samples at the most, oldest first, in half the memory.
-    latest: Roomy<Vector3<f32>>,
+    latest: Roomy<VecDeque<Vector3<f32>>>,
     samples: usize,
     longest: usize,
     /// Of the latest samples that count, while there is no calibration.
@@ -33,7 +34,7 @@ impl Guidance {
         Self {
             coverage: Coverage::default(),
             through: None,
-            latest: Roomy::new(longest),
+            latest: Roomy::<VecDeque<_>>::new(longest),
             samples: 0,
             longest,
             moments: Moments::new(Vector3::zeros(), typical_ut),

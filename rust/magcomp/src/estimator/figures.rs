@@ -8,6 +8,7 @@ use crate::coverage::ANEW_SAMPLES;
 use crate::ellipsoid::direction_sigma_deg;
 use crate::room::Roomy;
 use nalgebra::{SMatrix, Vector3};
+use std::collections::VecDeque;
 
 /// A calibration, and its covariance where that is known.
 pub(super) struct InForce {
@@ -20,7 +21,7 @@ pub(super) struct InForce {
 pub(super) struct Figures {
     config: WindowedConfig,
     /// The latest N_min samples, oldest first.
-    latest: Roomy<Vector3<f64>>,
+    latest: Roomy<VecDeque<Vector3<f64>>>,
     /// Samples so far.
     samples: usize,
     /// In force the last time that it was asked for, or given since.
@@ -32,7 +33,7 @@ pub(super) struct Figures {
 impl Figures {
     /// All memory is taken here.
     pub fn new(config: WindowedConfig) -> Self {
-        let latest = Roomy::new(config.n_min);
+        let latest = Roomy::<VecDeque<_>>::new(config.n_min);
         Self { config, latest, samples: 0, calibration: None, sigma_t: None, direction_sigma_deg: None }
     }
 

@@ -11,6 +11,7 @@ use super::pairing::{MAX_LEAD_S, STALE_S};
 use crate::range::{ConfigError, in_range};
 use crate::room::Roomy;
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
+use std::collections::VecDeque;
 
 /// Limit: longest that an event may be told to wait, s: by then its sensor counts as absent.
 const LONGEST_HOLD_S: f64 = STALE_S;
@@ -74,7 +75,7 @@ impl SensorEvent {
 pub struct EventQueue {
     hold_ns: i64,
     /// In the order they go out.
-    waiting: Roomy<SensorEvent>,
+    waiting: Roomy<VecDeque<SensorEvent>>,
     /// Time of the event the stream began with, ns.
     begin_ns: i64,
     /// Time of the latest event of each sensor, ns; none yet: `NEVER`.
@@ -95,7 +96,7 @@ impl EventQueue {
     /// [`ConfigError`] when `hold_s` is out of range.
     pub fn new(hold_s: f64) -> Result<Self, ConfigError> {
         in_range("hold_s", hold_s, 0.0..=LONGEST_HOLD_S, "s")?;
-        let waiting = Roomy::new(ROOM);
+        let waiting = Roomy::<VecDeque<_>>::new(ROOM);
         Ok(Self { hold_ns: (hold_s * 1e9) as i64, waiting, begin_ns: 0, latest_ns: [NEVER; 3] })
     }
 

@@ -43,7 +43,7 @@ const YOUNG: u64 = KNOWN_FRAMES / 2;
 
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Bank {
-    pub all: Roomy<Filter>,
+    pub all: Roomy<Vec<Filter>>,
     pub frames: Frames,
     pub noise: Noise,
     former: Option<Gaussian>,
@@ -58,7 +58,7 @@ impl Bank {
     /// Takes all memory.
     pub fn new(unit_ut: f64) -> Self {
         Self {
-            all: Roomy::new(MOST + BROUGHT),
+            all: Roomy::<Vec<_>>::new(MOST + BROUGHT),
             frames: Frames::new(),
             noise: Noise::default(),
             former: None,
@@ -107,7 +107,7 @@ impl Bank {
     fn keep(&mut self, is_kept: impl Fn(usize, &Filter) -> bool) {
         for k in (0..self.all.len()).rev() {
             if !is_kept(k, &self.all[k]) {
-                self.all.swap_remove_back(k);
+                self.all.swap_remove(k);
             }
         }
     }
@@ -130,7 +130,7 @@ impl Bank {
             filter.id = id;
             filter.scale_sd = Some(if strength_known { tuning.soft_iron } else { EARTH_SD });
             filter.restart();
-            self.all.push_back(filter);
+            self.all.push(filter);
         }
     }
 
@@ -138,7 +138,7 @@ impl Bank {
         let base = State::new(given, frame.uneven.variance, frame.tilt.variance);
         let mut filter = Filter::new(Kind::Former, base, given.mean, self.frames.next, frame.time_ns);
         filter.id = self.new_id();
-        self.all.push_back(filter);
+        self.all.push(filter);
     }
 
     /// A frame; whether it surprised the best hypothesis.
@@ -209,18 +209,18 @@ impl Bank {
                 turning: self.turning(),
                 step: step / self.unit_ut,
             });
-            self.all.push_back(child);
+            self.all.push(child);
         }
         for (size, differs) in [(0, ROOM_UT / self.unit_ut), (1, tuning.place)] {
             let mut base = state.clone();
             base.moves_to(differs, frame.time_ns);
             base.log = log(tuning.places_per_h) - LN_2;
-            self.all.push_back(child(Kind::Place, base, known.mean, of_place, size));
+            self.all.push(child(Kind::Place, base, known.mean, of_place, size));
         }
         if let Some(former) = self.former.filter(|_| surprised && tuning.recall) {
             let mut base = state.with(&former);
             base.log = log(tuning.devices_per_h) - LN_2;
-            self.all.push_back(child(Kind::Former, base, former.mean, of_device, 2));
+            self.all.push(child(Kind::Former, base, former.mean, of_device, 2));
         }
         // b may move, or rest
         let is_rival = |it: &Filter| it.moves != moves && it.log_joint() > likely - 9.0;
@@ -228,7 +228,7 @@ impl Bank {
             let rates = (!moves).then(|| tuning.rates(self.unit_ut));
             let fork = self.all[place].fork(rates, number, log(tuning.devices_per_h));
             self.keep(|_, it| it.moves == moves);
-            self.all.push_back(fork);
+            self.all.push(fork);
         }
     }
 
@@ -257,7 +257,7 @@ impl Bank {
         let mut lin: Tau = known.mean;
         (0..3).for_each(|i| lin[6 + i] -= off[i]);
         let twin = best.about(lin, &self.frames, tuning, self.unit_ut);
-        self.all.push_back(twin);
+        self.all.push(twin);
     }
 
     /// The best first, the others in turn: those that have moved run again, within a budget.

@@ -72,14 +72,14 @@ pub(super) const MOST: u64 = 256;
 /// The latest frames by their number.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Frames {
-    ring: Roomy<Frame>,
+    ring: Roomy<Vec<Frame>>,
     pub next: u64,
 }
 
 impl Frames {
     /// Takes all memory.
     pub fn new() -> Self {
-        Self { ring: Roomy::new(MOST as usize), next: 0 }
+        Self { ring: Roomy::<Vec<_>>::new(MOST as usize), next: 0 }
     }
 
     pub fn clear(&mut self) {
@@ -89,7 +89,7 @@ impl Frames {
 
     pub fn push(&mut self, frame: Frame) {
         if self.next < MOST {
-            self.ring.push_back(frame);
+            self.ring.push(frame);
         } else {
             self.ring[(self.next % MOST) as usize] = frame;
         }

@@ -5,6 +5,7 @@ use crate::calibration::typical_field_ut;
 use crate::ellipsoid::Moments;
 use crate::room::Roomy;
 use nalgebra::Vector3;
+use std::collections::VecDeque;
 
 /// See the module.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -13,7 +14,7 @@ pub(super) struct Window {
     longest: usize,
     strength_ut: Option<f64>,
     /// The latest N_max samples at the most, oldest first.
-    kept: Roomy<Vector3<f64>>,
+    kept: Roomy<VecDeque<Vector3<f64>>>,
     /// N: the latest so many are in the moments.
     length: usize,
     moments: Moments,
@@ -34,7 +35,7 @@ impl Window {
         Self {
             longest,
             strength_ut,
-            kept: Roomy::new(longest),
+            kept: Roomy::<VecDeque<_>>::new(longest),
             length: 0,
             moments: Moments::new(Vector3::zeros(), typical_field_ut(strength_ut)),
             since_recentred: 0,
