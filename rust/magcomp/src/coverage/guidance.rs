@@ -58,17 +58,19 @@ impl Guidance {
 
     /// A sample; the calibration that is in force now, and how many of the latest samples count.
     pub fn see(&mut self, raw_ut: &Vector3<f64>, calibration: Option<&Calibration>, window: usize) {
+        // as it is kept, so that it leaves as it came
+        let kept: Vector3<f32> = raw_ut.cast();
+        let raw_ut = &kept.cast();
         let direction = self.through.map(|through| through.correct(raw_ut));
         self.coverage.see(direction.as_ref());
         self.samples = self.samples.saturating_add(1);
         if calibration.is_none() {
-            // as it is kept, so that it leaves as it came
-            self.follow(&raw_ut.cast::<f32>().cast(), window);
+            self.follow(raw_ut, window);
         }
         if self.latest.len() == self.longest {
             self.latest.pop_front();
         }
-        self.latest.push_back(raw_ut.cast());
+        self.latest.push_back(kept);
         self.look_through(calibration, window);
     }
 
