@@ -220,7 +220,7 @@ class Many:
     def __len__(self) -> int:
         """Rows."""
 
-def _compensator(version: str, settings: dict[str, Any]) -> Compensator: ...
+def _compensator(version: str, state: bytes) -> Compensator: ...
 def _process_many(
     recordings: list[tuple[str, Any]],
     settings: dict[str, Any],
