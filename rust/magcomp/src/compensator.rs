@@ -28,7 +28,8 @@ use crate::reading::{Event, Reading, RejectReason, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
 use crate::sensing::axes::Axes;
 use crate::sensing::dip::Dip;
-use crate::sensing::pairing::{EventRejection, InertialPairing, PairedInertial};
+use crate::sensing::frame::{Frame, Piece, Whole};
+use crate::sensing::pairing::{EventRejection, InertialPairing, PairedInertial, Rotation};
 use crate::sensing::stand_in::StandIn;
 use crate::sensing::tilt::{GRAVITY_M_S2, Tilt};
 use crate::sensing::turning::Turning;
@@ -74,6 +75,8 @@ pub struct Compensator {
     stream: Stream,
     pairing: InertialPairing,
     presence: Presence,
+    /// What `axes` and `turning` see next.
+    frame: Frame,
     axes: Axes,
     turning: Turning,
     dip: Dip,
@@ -109,6 +112,7 @@ impl Compensator {
             stream: Stream::default(),
             pairing: InertialPairing::default(),
             presence: Presence::default(),
+            frame: Frame::default(),
             axes: Axes::default(),
             turning: Turning::default(),
             dip: Dip::default(),
@@ -133,6 +137,7 @@ impl Compensator {
         self.stream = Stream::default();
         self.pairing = InertialPairing::default();
         self.presence = Presence::default();
+        self.frame = Frame::default();
         self.axes = Axes::default();
         self.turning = Turning::default();
         self.dip = Dip::default();
@@ -254,24 +259,39 @@ impl Compensator {
     fn pair(&mut self, time_ns: i64, previous_ns: Option<i64>, field_ut: Option<&Vector3<f64>>) -> PairedInertial {
         let mut paired = self.pairing.pair(time_ns);
         self.presence.see(time_ns, previous_ns, paired.rotation.is_some());
-        match (paired.rotation, previous_ns, paired.up_m_s2) {
-            (Some(rotation), Some(previous_ns), Some(up_m_s2)) => {
-                let span_s = (time_ns - previous_ns) as f64 * 1e-9;
-                self.axes.see(&rotation, span_s, &up_m_s2);
-                if self.tuning.hanging && self.axes.is_gravity_frozen() {
-                    // the gyroscope carries on where up is
-                    paired.up_m_s2 = None;
-                }
-            }
-            _ => self.axes.pause(),
+        let Some((rotation, previous_ns)) = paired.rotation.zip(previous_ns) else {
+            self.break_chain();
+            return paired;
+        };
+        let dt_s = (time_ns - previous_ns) as f64 * 1e-9;
+        if let Some(up_m_s2) = &paired.up_m_s2 {
+            self.axes.read(&rotation, dt_s, up_m_s2);
         }
-        match (&paired.rotation, previous_ns, field_ut) {
-            (Some(rotation), Some(previous_ns), Some(field_ut)) => {
-                self.turning.see(field_ut, rotation, (time_ns - previous_ns) as f64 * 1e-9);
+        if self.tuning.hanging && self.axes.is_gravity_frozen() {
+            // the gyroscope carries on where up is
+            paired.up_m_s2 = None;
+        }
+        let PairedInertial { up_m_s2, .. } = paired;
+        let Rotation { increment_rad, variance_rad2: bridged_rad2, .. } = rotation;
+        let piece = Piece { increment_rad, dt_s, bridged_rad2, raw_ut: field_ut.copied(), late_s: 0.0, up_m_s2 };
+        if let Some(Whole { raw_ut, up_m_s2, between_rad, length_s, .. }) = self.frame.add(&piece, false) {
+            match up_m_s2 {
+                Some(up_m_s2) => self.axes.see(&up_m_s2, &between_rad, length_s),
+                None => self.axes.pause(),
             }
-            _ => self.turning.pause(),
+            match raw_ut {
+                Some(raw_ut) => self.turning.see(&raw_ut, &between_rad, length_s),
+                None => self.turning.pause(),
+            }
         }
         paired
+    }
+
+    /// No turn reaches across this sample.
+    fn break_chain(&mut self) {
+        self.frame = Frame::default();
+        self.axes.pause();
+        self.turning.pause();
     }
 
     /// Whether the angle between gravity and the corrected field tells that their axes differ. The gyroscope carries nothing that was wrong.

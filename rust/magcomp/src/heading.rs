@@ -116,9 +116,8 @@ choices! {
 
 /// Mathematics: axes whose sine to the vertical is smaller have no heading, for rounding: 1e-6 is 0.2 arc seconds.
 pub(crate) const VERTICAL: f64 = 1e-6;
-/// Mathematics: tilt by which the slope of the heading is found, rad.
-const TILT_STEP_RAD: f64 = 1e-5;
-
+/// Definition: the back camera looks along -z.
+const CAMERA: Vector3<f64> = Vector3::new(0.0, 0.0, -1.0);
 /// Heading of a reference axis from a corrected field (uT) and `up` (any length), both in the device frame.
 ///
 /// None when the field or the axis is vertical, or anything is not finite or of length zero. `heading_sigma_deg`
@@ -157,23 +156,60 @@ impl Level {
         let (east, pointing) = (field.cross(up), pointing(up, axis, rotation));
         Self { east: pointing.dot(&east), north: pointing.dot(&up.cross(&east)) }
     }
+
+    /// Its derivative where `up` leans to a horizontal d of length 1.
+    fn slope(
+        field: &Vector3<f64>,
+        up: &Vector3<f64>,
+        axis: ReferenceAxis,
+        rotation: ScreenRotation,
+        d: &Vector3<f64>,
+    ) -> Self {
+        let (east, pointing, turned) =
+            (field.cross(up), pointing(up, axis, rotation), pointing_slope(up, axis, rotation, d));
+        let leant = field.cross(d);
+        Self {
+            east: turned.dot(&east) + pointing.dot(&leant),
+            north: turned.dot(&up.cross(&east)) + pointing.dot(&(d.cross(&east) + up.cross(&leant))),
+        }
+    }
 }
 
 /// The axis of the device the heading is that of, for a unit `up`.
 fn pointing(up: &Vector3<f64>, axis: ReferenceAxis, rotation: ScreenRotation) -> Vector3<f64> {
     let (right, top) = rotation.axes();
-    let camera = -Vector3::z();
     match axis {
         ReferenceAxis::TopEdge => top,
-        ReferenceAxis::Camera => camera,
+        ReferenceAxis::Camera => CAMERA,
         ReferenceAxis::Auto => {
-            let rise = right.dot(up).abs();
-            let Tuning { rise_begin, rise_end, .. } = Tuning::USED;
-            let share = ((rise - rise_begin) / (rise_end - rise_begin)).clamp(0.0, 1.0);
             let level = up.cross(&right).try_normalize(VERTICAL).unwrap_or_default();
-            level * (1.0 - share) + camera * share
+            level + (CAMERA - level) * camera_share(right.dot(up))
         }
     }
+}
+
+/// The derivative of `pointing` where `up` leans to d.
+fn pointing_slope(up: &Vector3<f64>, axis: ReferenceAxis, rotation: ScreenRotation, d: &Vector3<f64>) -> Vector3<f64> {
+    if axis != ReferenceAxis::Auto {
+        return Vector3::zeros();
+    }
+    let (right, _) = rotation.axes();
+    let across = up.cross(&right);
+    let Some(level) = across.try_normalize(VERTICAL) else { return Vector3::zeros() };
+    let turned = d.cross(&right);
+    let level_turned = (turned - level * level.dot(&turned)) / across.norm();
+    let rise = right.dot(up);
+    let share = camera_share(rise);
+    let Tuning { rise_begin, rise_end, .. } = Tuning::USED;
+    let share_turned =
+        if share > 0.0 && share < 1.0 { right.dot(d) * rise.signum() / (rise_end - rise_begin) } else { 0.0 };
+    level_turned * (1.0 - share) + (CAMERA - level) * share_turned
+}
+
+/// How far the automatic axis follows the camera, 0 to 1, where the right edge rises with this sine.
+fn camera_share(rise: f64) -> f64 {
+    let Tuning { rise_begin, rise_end, .. } = Tuning::USED;
+    ((rise.abs() - rise_begin) / (rise_end - rise_begin)).clamp(0.0, 1.0)
 }
 
 /// One standard deviation of the heading of an axis, degrees: up to 115, or 180 where the field's or the axis' horizontal
@@ -196,15 +232,15 @@ pub fn heading_sigma_deg(
     let east = field_ut.cross(&up);
     let horizontal = east.norm();
     let across = east.try_normalize(VERTICAL)?;
-    let slope = |d: Vector3<f64>| {
-        let tilted = |step: f64| Level::of(field_ut, &(up + d * step), axis, rotation);
-        let (one, other) = (tilted(-TILT_STEP_RAD), tilted(TILT_STEP_RAD));
-        let (sin, cos) =
-            (other.east * one.north - other.north * one.east, one.east * other.east + one.north * other.north);
-        // an axis that tips over the vertical turns by half a circle
-        atan2(sin, cos) / (2.0 * TILT_STEP_RAD)
+    let level = Level::of(field_ut, &up, axis, rotation);
+    let slope = |d| {
+        // where the axis itself is vertical it has no heading, and every tilt turns it
+        let level2 =
+            (level.east * level.east + level.north * level.north).max(VERTICAL * VERTICAL * east.norm_squared());
+        let by = Level::slope(field_ut, &up, axis, rotation, d);
+        (level.north * by.east - level.east * by.north) / level2
     };
-    let tilt = tilt_sigma_deg.to_radians() * hypot(slope(across), slope(up.cross(&across))) * horizontal;
+    let tilt = tilt_sigma_deg.to_radians() * hypot(slope(&across), slope(&up.cross(&across))) * horizontal;
     let variance = across_ut2(field_ut, &up, covariance_ut2)? + tilt * tilt;
     angle_sigma_deg(variance, horizontal)
 }

@@ -24,7 +24,7 @@ pub struct Reading {
     /// How the device lies in the world, from the vector that the heading comes from. None without a calibration, without a recent
     /// `up`, or where the field is vertical.
     pub attitude: Option<Attitude>,
-    /// (15) sigma_T over the latest N_min samples; the aided and the adaptive method form it anew every 25. None until there are
+    /// (15) sigma_T over the latest N_min samples; the aided and the adaptive method form it anew once a second. None until there are
     /// that many and a calibration.
     pub sigma_t: Option<f64>,
     /// Samples that the estimator looks at: the paper's window; of the adaptive method those since the latest change; the aided
@@ -33,7 +33,7 @@ pub struct Reading {
     /// Share of the directions seen in that window, 0 to 1.
     pub coverage: f64,
     /// Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees, 0 to 180; the aided
-    /// and the adaptive method form it anew every 25 samples. None without a calibration or a known covariance.
+    /// and the adaptive method form it anew once a second. None without a calibration or a known covariance.
     pub direction_sigma_deg: Option<f64>,
     /// The same for the one combination of parameters that is known worst: the root of the inverse of the information
     /// matrix's smallest eigenvalue, as an angle, degrees. Large where the directions seen leave something open, also

@@ -59,8 +59,7 @@ impl Compensator {
         self.presence.pause();
         self.pairing.pause();
         self.stand_in.pause();
-        self.axes.pause();
-        self.turning.pause();
+        self.break_chain();
         self.north.pause();
         let Some(given) = self.estimator.in_force() else { return Ok(()) };
         let kept = KeptCalibration::learned(given.calibration, given.covariance, self.belief.inclination_deg, 0);

@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 use std::collections::VecDeque;
 
 /// Samples from one look for what is too dear for every sample to the next.
-pub(crate) const ANEW_SAMPLES: usize = Tuning::USED.anew_samples as usize;
+const ANEW_SAMPLES: usize = Tuning::USED.anew_samples as usize;
 
 /// See the module.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

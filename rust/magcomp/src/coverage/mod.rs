@@ -8,4 +8,4 @@ mod tests;
 mod tuning;
 
 pub use cells::{CELLS, Coverage};
-pub(crate) use guidance::{ANEW_SAMPLES, Guidance};
+pub(crate) use guidance::Guidance;

@@ -1,14 +1,17 @@
-//! Figures of our estimators that are formed anew every 25 samples, since they cost more than a sample may: (15) sigma_T over the latest
+//! Figures of our estimators that are formed anew once a second, since they cost more than a sample may: (15) sigma_T over the latest
 //! N_min samples, and the predicted error of a corrected direction. Both are of the calibration that is in force then.
 
 use super::answer::{Answer, Counted};
 use super::paper::{WindowedConfig, evenness};
 use crate::calibration::Calibration;
-use crate::coverage::ANEW_SAMPLES;
 use crate::ellipsoid::direction_sigma_deg;
 use crate::room::Roomy;
+use crate::sample::MagneticSample;
 use nalgebra::{SMatrix, Vector3};
 use std::collections::VecDeque;
+
+/// Choice: time after which they are formed anew, ns: as often as a display of them can be read.
+const ANEW_NS: u64 = 1_000_000_000;
 
 /// A calibration, and its covariance where that is known.
 pub(super) struct InForce {
@@ -24,6 +27,8 @@ pub(super) struct Figures {
     latest: Roomy<VecDeque<Vector3<f64>>>,
     /// Samples so far.
     samples: usize,
+    /// When the figures were formed.
+    formed_ns: Option<i64>,
     /// In force the last time that it was asked for, or given since.
     calibration: Option<Calibration>,
     sigma_t: Option<f64>,
@@ -34,13 +39,21 @@ impl Figures {
     /// All memory is taken here.
     pub fn new(config: WindowedConfig) -> Self {
         let latest = Roomy::<VecDeque<_>>::new(config.n_min);
-        Self { config, latest, samples: 0, calibration: None, sigma_t: None, direction_sigma_deg: None }
+        Self {
+            config,
+            latest,
+            samples: 0,
+            formed_ns: None,
+            calibration: None,
+            sigma_t: None,
+            direction_sigma_deg: None,
+        }
     }
 
     /// As new, in the memory that is there.
     pub fn restart(&mut self) {
         self.latest.clear();
-        (self.samples, self.calibration) = (0, None);
+        (self.samples, self.formed_ns, self.calibration) = (0, None, None);
         (self.sigma_t, self.direction_sigma_deg) = (None, None);
     }
 
@@ -55,14 +68,15 @@ impl Figures {
     }
 
     /// Puts the figures into the answer to a sample; now and then `in_force` is asked.
-    pub fn finish(&mut self, answer: &mut Answer, raw_ut: &Vector3<f64>, in_force: impl FnOnce() -> InForce) {
-        let is_due = self.samples.is_multiple_of(ANEW_SAMPLES);
+    pub fn finish(&mut self, answer: &mut Answer, sample: &MagneticSample, in_force: impl FnOnce() -> InForce) {
+        let is_due = self.formed_ns.is_none_or(|formed_ns| sample.time_ns.abs_diff(formed_ns) >= ANEW_NS);
         self.samples = self.samples.saturating_add(1);
         if self.latest.len() == self.config.n_min {
             self.latest.pop_front();
         }
-        self.latest.push_back(*raw_ut);
+        self.latest.push_back(sample.field_ut);
         if is_due {
+            self.formed_ns = Some(sample.time_ns);
             let InForce { calibration, covariance } = in_force();
             self.look_through(calibration);
             let enough = self.calibration.filter(|_| self.latest.len() == self.config.n_min);

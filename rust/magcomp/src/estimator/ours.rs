@@ -138,7 +138,7 @@ impl Ours {
             self.gyroscope = Gyroscope::InUse(aided.clone());
         }
         let speaker = self.gyroscope.speaker(&self.adaptive, self.is_contradicted);
-        self.figures.finish(&mut answer, &raw_ut, || match speaker {
+        self.figures.finish(&mut answer, sample, || match speaker {
             Speaker::Aided(it) => InForce { calibration: it.calibration(), covariance: it.covariance() },
             Speaker::Adaptive(it) => InForce { calibration: it.calibration(), covariance: it.covariance() },
         });

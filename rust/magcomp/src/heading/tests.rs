@@ -77,3 +77,21 @@ fn a_tilt_turns_a_steep_axis_as_sigma_says() {
         assert_eq!(upright, Some(180.0), "{off}");
     }
 }
+
+#[test]
+fn the_slope_is_that_of_finite_differences() {
+    let field = Vector3::new(3.0, 20.0, -40.0);
+    for axis in [ReferenceAxis::TopEdge, ReferenceAxis::Camera, ReferenceAxis::Auto] {
+        for rotation in [ScreenRotation::Deg0, ScreenRotation::Deg90, ScreenRotation::Deg270] {
+            for up in [Vector3::new(0.1, 0.4, 0.9), Vector3::new(-0.8, 0.2, 0.5), Vector3::new(0.3, -0.77, -0.4)] {
+                let up = up.normalize();
+                let d = up.cross(&Vector3::new(0.3, 0.7, -0.2)).normalize();
+                let of = |step: f64| Level::of(&field, &(up + d * step).normalize(), axis, rotation);
+                let (one, other) = (of(-1e-6), of(1e-6));
+                let found = Level::slope(&field, &up, axis, rotation, &d);
+                let (east, north) = ((other.east - one.east) / 2e-6, (other.north - one.north) / 2e-6);
+                assert!((found.east - east).abs() < 1e-6 && (found.north - north).abs() < 1e-6, "{axis:?} {up:?}");
+            }
+        }
+    }
+}

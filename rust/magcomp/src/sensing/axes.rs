@@ -68,8 +68,8 @@ pub(crate) struct Axes {
 }
 
 impl Axes {
-    /// One sample: the rotation since the one before, and how long it took, s; what the accelerometer reads, m/s^2.
-    pub fn see(&mut self, rotation: &Rotation, span_s: f64, up_m_s2: &Vector3<f64>) {
+    /// What a sample's sensors read, to the last bit: the rotation since the one before, and how long it took, s; the accelerometer, m/s^2.
+    pub fn read(&mut self, rotation: &Rotation, span_s: f64, up_m_s2: &Vector3<f64>) {
         self.still_rad = if *up_m_s2 == self.up_m_s2 { self.still_rad + rotation.increment_rad.norm() } else { 0.0 };
         let has_moved = (up_m_s2 - self.up_m_s2).norm() > MOVED_M_S2;
         self.up_m_s2 = *up_m_s2;
@@ -78,12 +78,15 @@ impl Axes {
         } else {
             (self.frozen_s, self.is_frozen) = (0.0, false);
         }
-        self.read(&rotation.rate_rad_s, has_moved);
+        self.repeat(&rotation.rate_rad_s, has_moved);
         if self.is_gravity_frozen() {
             // it is no witness
-            return self.pause();
+            self.pause();
         }
-        let turn_rad = &rotation.increment_rad;
+    }
+
+    /// The mean of some samples' accelerometer, m/s^2: the turn since that before, rad, and how long they took, s.
+    pub fn see(&mut self, up_m_s2: &Vector3<f64>, turn_rad: &Vector3<f64>, span_s: f64) {
         let read = Turn::by(&-turn_rad).rotation;
         self.turn(&read, &Turn::by(&-turn_rad.map(f64::to_radians)).rotation, &(up_m_s2 * span_s));
         self.net_rad += turn_rad;
@@ -127,7 +130,7 @@ impl Axes {
         self.is_contradicted = (1..SETS).any(|set| self.explains_better(set)) || spins && self.explains_better(SETS);
     }
 
-    fn read(&mut self, rate_rad_s: &Vector3<f64>, has_moved: bool) {
+    fn repeat(&mut self, rate_rad_s: &Vector3<f64>, has_moved: bool) {
         let changed: [bool; 3] = std::array::from_fn(|axis| rate_rad_s[axis] != self.rate_rad_s[axis]);
         for (axis, repeats) in self.repeats.iter_mut().enumerate() {
             if changed[axis] {
@@ -181,9 +184,13 @@ mod tests {
         axes.is_contradicted() || axes.is_dead()
     }
 
-    /// What the gyroscope makes of a rate at 100 Hz, rad/s.
-    fn read(rate_rad_s: Vector3<f64>) -> Rotation {
-        Rotation { increment_rad: rate_rad_s * 0.01, rate_rad_s, variance_rad2: 0.0 }
+    /// A sample at 100 Hz: what the gyroscope (rad/s) and the accelerometer (m/s^2) make of it.
+    fn see(axes: &mut Axes, rate_rad_s: Vector3<f64>, up_m_s2: Vector3<f64>) {
+        let increment_rad = rate_rad_s * 0.01;
+        axes.read(&Rotation { increment_rad, rate_rad_s, variance_rad2: 0.0 }, 0.01, &up_m_s2);
+        if !axes.is_gravity_frozen() {
+            axes.see(&up_m_s2, &increment_rad, 0.01);
+        }
     }
 
     /// A hand turns the device about for so many seconds, shaken by 1 m/s^2; each axis of its gyroscope reads so much of what it should.
@@ -196,7 +203,7 @@ mod tests {
             attitude *= Rotation3::new(rate * 0.01);
             let shaken = Vector3::new((11.9 * t).sin(), (12.3 * t).cos(), (23.0 * t).sin());
             let up = attitude.inverse() * Vector3::new(0.0, 0.0, 9.81) + shaken;
-            axes.see(&read(rate.component_mul(&reads)), 0.01, &up);
+            see(&mut axes, rate.component_mul(&reads), up);
         }
         axes
     }
@@ -225,7 +232,7 @@ mod tests {
             let tilt = 0.15 * 3.0 / 5.7 * (5.7 * t).sin();
             let up =
                 Rotation3::new(-Vector3::x() * tilt) * Vector3::new(0.0, 0.0, 9.81 + 2.0 * (11.4 * t).cos()) + noise;
-            axes.see(&read(rate), 0.01, &up);
+            see(&mut axes, rate, up);
             assert!(!is_out(&axes), "at {t} s");
         }
     }
@@ -250,7 +257,7 @@ mod tests {
             let shaken = Vector3::new((11.9 * t).sin(), (12.3 * t).cos(), (23.0 * t).sin());
             let up = attitude.inverse() * Vector3::new(0.0, 0.0, 9.81) + shaken;
             let sign = if (20.0..60.0).contains(&t) { -1.0 } else { 1.0 };
-            axes.see(&read(rate.component_mul(&Vector3::new(1.0, sign, 1.0))), 0.01, &up);
+            see(&mut axes, rate.component_mul(&Vector3::new(1.0, sign, 1.0)), up);
             if is_out(&axes) {
                 wrong[usize::from(sign > 0.0)] += 1;
             }
@@ -272,7 +279,7 @@ mod tests {
             }
             attitude *= Rotation3::new(rate * 0.01);
             let up = attitude.inverse() * Vector3::new(0.0, 0.0, 9.81);
-            axes.see(&read(read_rad_s), 0.01, &(up + Vector3::y() * f64::from(k as u32 % 2)));
+            see(axes, read_rad_s, up + Vector3::y() * f64::from(k as u32 % 2));
         }
     }
 
@@ -306,10 +313,10 @@ mod tests {
                 let t = f64::from(k) * 0.01;
                 let noise = Vector3::new(f64::from(k % 7), f64::from(k % 5), f64::from(k % 3)) * 1e-2;
                 let up = Rotation3::new(Vector3::x() * tilts * (0.8 * t).sin()) * Vector3::new(0.0, 0.0, 9.81);
-                axes.see(&read(Vector3::new(0.01, 0.0, -0.02)), 0.01, &(up + noise));
+                see(&mut axes, Vector3::new(0.01, 0.0, -0.02), up + noise);
             }
             assert_eq!(is_out(&axes), is_wrong, "tilted by {tilts}");
-            axes.see(&read(Vector3::new(0.01, 0.0, -0.01)), 0.01, &Vector3::new(0.0, 0.1, 9.81));
+            see(&mut axes, Vector3::new(0.01, 0.0, -0.01), Vector3::new(0.0, 0.1, 9.81));
             assert!(!is_out(&axes));
         }
     }
@@ -320,11 +327,11 @@ mod tests {
         let mut axes = Axes::default();
         let up = Vector3::new(0.1, 5.0, 8.4);
         for k in 0..200 {
-            axes.see(&read(Vector3::new(0.0, 0.5, 0.01 * f64::from(k % 3))), 0.01, &up);
+            see(&mut axes, Vector3::new(0.0, 0.5, 0.01 * f64::from(k % 3)), up);
             // 0.3 rad at 0.5 rad/s: the sixtieth
             assert!(axes.is_gravity_frozen() == (k > 60) || k == 60, "{k}");
         }
-        axes.see(&read(Vector3::zeros()), 0.01, &(up + Vector3::x() * 1e-9));
+        see(&mut axes, Vector3::zeros(), up + Vector3::x() * 1e-9);
         assert!(!axes.is_gravity_frozen());
     }
 
@@ -335,7 +342,7 @@ mod tests {
             let mut axes = Axes::default();
             for k in 0..100 {
                 let rate = Vector3::new(0.0, 0.64, 0.77) * (0.02 * f64::from(k)).sin();
-                axes.see(&read(rate), 0.01, &Vector3::new(noise_m_s2 * f64::from(k % 2), 0.0, 9.81));
+                see(&mut axes, rate, Vector3::new(noise_m_s2 * f64::from(k % 2), 0.0, 9.81));
             }
             assert_eq!(is_out(&axes), is_wrong);
         }
@@ -346,7 +353,7 @@ mod tests {
     fn two_axes_that_stay_say_nothing() {
         let mut axes = Axes::default();
         for k in 0..1000 {
-            axes.see(&read(Vector3::z() * f64::from(k % 11)), 0.01, &Vector3::new(0.0, 0.01 * f64::from(k % 2), 9.81));
+            see(&mut axes, Vector3::z() * f64::from(k % 11), Vector3::new(0.0, 0.01 * f64::from(k % 2), 9.81));
         }
         assert!(!is_out(&axes));
     }
@@ -370,7 +377,7 @@ mod tests {
                 let rate = up * (0.7 * t).sin();
                 let shaken = Vector3::new((11.9 * t).sin(), (12.3 * t).cos(), (23.0 * t).sin());
                 let noise = Vector3::new(f64::from(k % 7), f64::from(k % 5), f64::from(k % 3)) * 1e-3;
-                axes.see(&read(rate.component_mul(&reads) + noise), 0.01, &(up * 9.81 + shaken));
+                see(&mut axes, rate.component_mul(&reads) + noise, up * 9.81 + shaken);
             }
             is_out(&axes)
         };
@@ -385,7 +392,7 @@ mod tests {
         let mut axes = Axes::default();
         for k in 0..6000 {
             let noise = Vector3::new(f64::from(k % 7), f64::from(k % 5), f64::from(k % 3)) * 1e-3;
-            axes.see(&read(noise - Vector3::z()), 0.01, &(Vector3::z() * 9.81 + noise));
+            see(&mut axes, noise - Vector3::z(), Vector3::z() * 9.81 + noise);
         }
         assert!(!is_out(&axes));
     }

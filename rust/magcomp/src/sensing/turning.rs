@@ -4,7 +4,7 @@
 //! ```text
 //! (m - b)' = -w x (m - b)                 a field that is fixed in the world, seen from a device that turns
 //! d = W^ - A x b                          its sum over a time: d: change of m, A: sum of the turns,   W^ = sum of m x turn   (linear in W = sum of turn m')
-//! d, A, W: from the mean over a window to that over the next;   turn: 2 tan(angle / 2) about its axis, m: mean of two samples: exact for any angle
+//! d, A, W: from the mean over a window to that over the next;   turn: 2 tan(angle / 2) about its axis, m: mean of two of them: exact for any angle
 //! S_G = min over b of sum |d - W^ + A x b|^2, forgotten over 50 windows (n), with W and A replaced by G W and G A: the sensors' frames differ by G
 //! G explains the field better where   n ln(min(S_1, sum |d|^2) + n B) / (S_G + n B)) > 4^2 / 2 + ln 100      B: what the largest bias moves the field by
 //! the field agrees with the gyroscope where   n ln((sum |d|^2 + n B) / (S_1 + n B))   does
@@ -15,8 +15,7 @@
 //! Of 44 recordings of sound phones the most is 4.2; of their fields with axes swapped, mirrored or turned the bound was passed after 4 to 12 s of motion, of
 //! all.
 
-use super::pairing::Rotation;
-use crate::math::elementary::{ln, sin_cos};
+use crate::math::elementary::{ln, turn_factors};
 use crate::priors::{OUTLYING, RARE, STEP_S};
 use crate::strength::EARTH_UT;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
@@ -74,12 +73,11 @@ impl Default for Turning {
 }
 
 impl Turning {
-    /// One sample, uT: the rotation since the one before, and how long it took, s.
-    pub fn see(&mut self, field_ut: &Vector3<f64>, rotation: &Rotation, span_s: f64) {
-        let angle = rotation.increment_rad.norm();
-        let half = 0.5 * angle;
-        let (sin, cos) = sin_cos(half);
-        let turn = if half > 1e-6 { rotation.increment_rad * (sin / (cos * half)) } else { rotation.increment_rad };
+    /// The mean of some samples, uT: the turn since that before, rad, and how long they took, s.
+    pub fn see(&mut self, field_ut: &Vector3<f64>, turn_rad: &Vector3<f64>, span_s: f64) {
+        let half2 = 0.25 * turn_rad.norm_squared();
+        let [sine, cosine, _] = turn_factors(half2);
+        let turn = turn_rad * (sine / (1.0 - half2 * cosine));
         let last = self.now.fixed_rows::<3>(0).into_owned();
         if self.samples > 0.0 || self.before.is_some() {
             let mean = (last + field_ut) * 0.5;
@@ -219,9 +217,7 @@ mod tests {
             let noise = Vector3::new((31.0 * t).sin(), (37.0 * t).sin(), (41.0 * t).sin()) * 0.5;
             let field =
                 attitude.inverse() * (Vector3::new(0.0, 25.0, -43.0) + place_ut(t)) + Vector3::new(120.0, -80.0, 300.0);
-            let rotation =
-                Rotation { increment_rad: rates * rate * 0.02, rate_rad_s: rates * rate, variance_rad2: 0.0 };
-            turning.see(&(axes * field + noise), &rotation, 0.02);
+            turning.see(&(axes * field + noise), &(rates * rate * 0.02), 0.02);
         }
         turning.verdict()
     }
@@ -275,8 +271,7 @@ mod tests {
         let mut turning = Turning::default();
         for k in 0..3000 {
             let noise = Vector3::new(f64::from(k % 7), f64::from(k % 5), f64::from(k % 3)) * 0.1;
-            let rotation = Rotation { increment_rad: noise * 1e-4, rate_rad_s: noise * 0.01, variance_rad2: 0.0 };
-            turning.see(&(swapped * noise), &rotation, 0.01);
+            turning.see(&(swapped * noise), &(noise * 1e-4), 0.01);
         }
         assert_eq!(turning.verdict(), Verdict::default());
     }
@@ -301,9 +296,8 @@ mod tests {
             let rate = Vector3::new((0.9 * t).sin(), (1.3 * t + 1.0).cos(), 0.8 * (0.5 * t).sin());
             attitude *= Rotation3::new(rate * 0.02);
             let field = attitude.inverse() * Vector3::new(0.0, 25.0, -43.0) + Vector3::new(120.0, -80.0, 300.0);
-            let rotation = Rotation { increment_rad: rate * 0.02, rate_rad_s: rate, variance_rad2: 0.0 };
             let field = if t < 20.0 { field.yxz() } else { field };
-            turning.see(&field, &rotation, 0.02);
+            turning.see(&field, &(rate * 0.02), 0.02);
             refused[usize::from(t >= 20.0)] += usize::from(turning.verdict().axes.is_some());
         }
         assert!(refused[0] > 500 && (1..500).contains(&refused[1]), "{refused:?}");

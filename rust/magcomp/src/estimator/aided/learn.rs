@@ -67,9 +67,10 @@ impl Aided {
         }
         filter.turn(&step.turn, exp(-step.dt_s / step.noise.local_time_s));
         let delay_s = filter.delay_s();
-        if let Some(whole) = self.frame.add(step, running.is_lost()) {
+        if let Some(whole) = self.frame.add(&step.piece(), running.is_lost()) {
             let delayed_rad_s = self.recent.mean_rad_s(delay_s + whole.late_s).filter(|_| self.tuning.recent);
-            self.learn_whole(&whole.step(step, delayed_rad_s));
+            let rate_rad_s = whole.increment_rad / whole.length_s;
+            self.learn_whole(&step.of_frame(&whole, &whole.raw_ut.unwrap_or_default(), &rate_rad_s, delayed_rad_s));
         }
     }
 

@@ -8,7 +8,6 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::Aided;
 use super::first_fit::{Before, FirstFit};
-use super::frame::Frame;
 use super::phase::Phase;
 use super::quarantine::Quarantine;
 use super::recent::Recent;
@@ -17,6 +16,7 @@ use crate::calibration::Given;
 use crate::estimator::answer::Answer;
 use crate::math::gaussian::Gaussian;
 use crate::reading::Status;
+use crate::sensing::frame::Frame;
 
 impl Aided {
     /// Forgets the calibration, but for what is `given`; what is learned of the noise stays.

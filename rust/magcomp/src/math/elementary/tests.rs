@@ -6,7 +6,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 #[test]
 fn quaternions_and_vectors_are_those_of_nalgebra() {
     let axis = Vector3::new(0.48, -0.6, 0.64);
-    for angle_rad in [0.0, 1e-200, 1e-9, 0.3, 3.1, 3.3, 6.2, 40.0] {
+    for angle_rad in [0.0, 1e-200, 1e-9, 1e-3, 0.1, 0.2499, 0.2501, 0.3, 0.499, 0.501, 3.1, 3.3, 6.2, 40.0] {
         let v = axis * angle_rad;
         let (ours, theirs) = (quaternion(&v), UnitQuaternion::from_scaled_axis(v));
         assert!((ours.into_inner() - theirs.into_inner()).norm() < 1e-15, "{v:?}");
