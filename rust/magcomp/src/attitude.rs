@@ -1,7 +1,7 @@
 //! The attitude of the device from a corrected field h and the direction of up, and its uncertainty.
 //!
 //! ```text
-//! east E = h x up, north N = up x E (unit vectors):   v_world = [E N up]^T v_device
+//! v_world = [E N up]^T v_device                        with the level frame of h (`level`)
 //! phi: the small rotation of the world that takes the true attitude to the one found
 //! phi_east, phi_north: up leans                     variance s_tilt^2 each
 //! phi_up: h errs along E, or V leans into E         variance (E^T P E + V^2 s_tilt^2) / H^2
@@ -9,7 +9,8 @@
 //! ```
 //! The sum of the three variances is the same in every frame.
 
-use crate::heading::{VERTICAL, across_ut2, angle_sigma_deg, unit};
+use crate::heading::angle_sigma_deg;
+use crate::level::Level;
 use crate::math::elementary::hypot;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
@@ -29,15 +30,15 @@ pub struct Attitude {
 /// None when the field is vertical, or anything is not finite or of length zero. `sigma_deg` is left empty: see [`attitude_sigma_deg`].
 #[must_use]
 pub fn attitude(field_ut: &Vector3<f64>, up: &Vector3<f64>) -> Option<Attitude> {
-    let (up, field) = (unit(up)?, unit(field_ut)?);
-    let east = field.cross(&up).try_normalize(VERTICAL)?;
-    // once more across, because rounding is large where the field is almost vertical
-    let north = up.cross(&east).try_normalize(VERTICAL)?;
-    let east = north.cross(&up);
-    let to_device = Rotation3::from_basis_unchecked(&[east, north, up]);
+    Some(of_level(&Level::of(field_ut, up)?))
+}
+
+/// The same of a field's level frame.
+pub(crate) fn of_level(level: &Level) -> Attitude {
+    let to_device = Rotation3::from_basis_unchecked(&[level.east, level.north, level.up]);
     let to_world = UnitQuaternion::from_rotation_matrix(&to_device.inverse());
     let to_world = if to_world.w < 0.0 { UnitQuaternion::new_unchecked(-to_world.into_inner()) } else { to_world };
-    Some(Attitude { to_world, sigma_deg: None })
+    Attitude { to_world, sigma_deg: None }
 }
 
 /// One standard deviation of the attitude, as [`Attitude::sigma_deg`] defines it.
@@ -51,11 +52,12 @@ pub fn attitude_sigma_deg(
     covariance_ut2: &Matrix3<f64>,
     tilt_sigma_deg: f64,
 ) -> Option<f64> {
-    let up = unit(up)?;
-    unit(field_ut)?.cross(&up).try_normalize(VERTICAL)?;
-    let leans_ut = field_ut.dot(&up) * tilt_sigma_deg.to_radians();
-    let variance_ut2 = across_ut2(field_ut, &up, covariance_ut2)? + leans_ut * leans_ut;
-    let about_up_deg = angle_sigma_deg(variance_ut2, field_ut.cross(&up).norm())?;
+    sigma_of_level(&Level::of(field_ut, up)?, covariance_ut2, tilt_sigma_deg)
+}
+
+/// The same of a field's level frame.
+pub(crate) fn sigma_of_level(level: &Level, covariance_ut2: &Matrix3<f64>, tilt_sigma_deg: f64) -> Option<f64> {
+    let about_up_deg = angle_sigma_deg(level.variance_rad2(covariance_ut2, tilt_sigma_deg.to_radians().powi(2)))?;
     let sigma = hypot(about_up_deg, tilt_sigma_deg * std::f64::consts::SQRT_2).min(180.0);
     sigma.is_finite().then_some(sigma)
 }

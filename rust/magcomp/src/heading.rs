@@ -1,7 +1,12 @@
 //! Heading, inclination and their uncertainty from a corrected field and the direction of up.
 //!
-//! East E = h x up, north N = up x E, horizontal axes of the place; the heading of a device axis a is
-//! atan2(a.E, a.N): degrees clockwise from magnetic north, 0 to 360. Inclination: positive when h points down.
+//! The heading of a device axis a is atan2(a.E, a.N), with east and north of `level`: degrees clockwise from magnetic north, 0 to 360. Inclination: positive
+//! when h points down.
+//!
+//! A tilt of `up` turns the heading of an axis (e, n, u) = (a.E, a.N, a.U), h = e^2 + n^2, as it leans
+//! ```text
+//! to east: V / H - n u / h + (n a'.E - e a'.N) / h,   to north: e u / h + (n a'.E - e a'.N) / h,   a': the change of an axis that follows `up`
+//! ```
 //!
 //! Three reference axes, after turning the device frame by the screen rotation (so that x is the screen's right edge
 //! and y its top edge, as the user sees it):
@@ -16,7 +21,8 @@
 #[cfg(test)]
 mod tests;
 
-use crate::math::elementary::{atan2, hypot};
+use crate::level::{Level, VERTICAL};
+use crate::math::elementary::atan2;
 use crate::tuning::choices;
 use nalgebra::{Matrix3, Vector3};
 
@@ -114,8 +120,6 @@ choices! {
     }
 }
 
-/// Mathematics: axes whose sine to the vertical is smaller have no heading, for rounding: 1e-6 is 0.2 arc seconds.
-pub(crate) const VERTICAL: f64 = 1e-6;
 /// Definition: the back camera looks along -z.
 const CAMERA: Vector3<f64> = Vector3::new(0.0, 0.0, -1.0);
 /// Heading of a reference axis from a corrected field (uT) and `up` (any length), both in the device frame.
@@ -129,50 +133,18 @@ pub fn heading(
     axis: ReferenceAxis,
     rotation: ScreenRotation,
 ) -> Option<Heading> {
-    let (up, field) = (unit(up)?, unit(field_ut)?);
-    let horizontal = field.cross(&up).norm();
-    let level = Level::of(&field, &up, axis, rotation);
-    if horizontal < VERTICAL || hypot(level.east, level.north) < VERTICAL * horizontal {
-        return None;
-    }
-    let inclination_deg = atan2(-field.dot(&up), horizontal).to_degrees();
+    of_level(&Level::of(field_ut, up)?, axis, rotation)
+}
+
+/// The same of a field's level frame.
+pub(crate) fn of_level(level: &Level, axis: ReferenceAxis, rotation: ScreenRotation) -> Option<Heading> {
+    let bearing_rad = level.bearing(&pointing(&level.up, axis, rotation), VERTICAL)?;
     Some(Heading {
-        heading_deg: wrap_360(atan2(level.east, level.north).to_degrees()),
+        heading_deg: wrap_360(bearing_rad.to_degrees()),
         heading_sigma_deg: None,
         true_heading_deg: None,
-        inclination_deg: Some(inclination_deg),
+        inclination_deg: Some(atan2(-level.vertical, level.horizontal).to_degrees()),
     })
-}
-
-/// East and north part of an axis, times the field's horizontal part.
-struct Level {
-    east: f64,
-    north: f64,
-}
-
-impl Level {
-    /// For a unit `up`.
-    fn of(field: &Vector3<f64>, up: &Vector3<f64>, axis: ReferenceAxis, rotation: ScreenRotation) -> Self {
-        let (east, pointing) = (field.cross(up), pointing(up, axis, rotation));
-        Self { east: pointing.dot(&east), north: pointing.dot(&up.cross(&east)) }
-    }
-
-    /// Its derivative where `up` leans to a horizontal d of length 1.
-    fn slope(
-        field: &Vector3<f64>,
-        up: &Vector3<f64>,
-        axis: ReferenceAxis,
-        rotation: ScreenRotation,
-        d: &Vector3<f64>,
-    ) -> Self {
-        let (east, pointing, turned) =
-            (field.cross(up), pointing(up, axis, rotation), pointing_slope(up, axis, rotation, d));
-        let leant = field.cross(d);
-        Self {
-            east: turned.dot(&east) + pointing.dot(&leant),
-            north: turned.dot(&up.cross(&east)) + pointing.dot(&(d.cross(&east) + up.cross(&leant))),
-        }
-    }
 }
 
 /// The axis of the device the heading is that of, for a unit `up`.
@@ -228,44 +200,39 @@ pub fn heading_sigma_deg(
     covariance_ut2: &Matrix3<f64>,
     tilt_sigma_deg: f64,
 ) -> Option<f64> {
-    let up = up.try_normalize(0.0)?;
-    let east = field_ut.cross(&up);
-    let horizontal = east.norm();
-    let across = east.try_normalize(VERTICAL)?;
-    let level = Level::of(field_ut, &up, axis, rotation);
-    let slope = |d| {
-        // where the axis itself is vertical it has no heading, and every tilt turns it
-        let level2 =
-            (level.east * level.east + level.north * level.north).max(VERTICAL * VERTICAL * east.norm_squared());
-        let by = Level::slope(field_ut, &up, axis, rotation, d);
-        (level.north * by.east - level.east * by.north) / level2
+    sigma_of_level(&Level::of(field_ut, up)?, axis, rotation, covariance_ut2, tilt_sigma_deg)
+}
+
+/// The same of a field's level frame.
+pub(crate) fn sigma_of_level(
+    level: &Level,
+    axis: ReferenceAxis,
+    rotation: ScreenRotation,
+    covariance_ut2: &Matrix3<f64>,
+    tilt_sigma_deg: f64,
+) -> Option<f64> {
+    let Level { east, north, up, .. } = level;
+    let pointing = pointing(up, axis, rotation);
+    let (e, n) = level.parts(&pointing);
+    // an axis that is vertical itself has no heading: every tilt turns it
+    let h = (e * e + n * n).max(VERTICAL * VERTICAL);
+    let rise = pointing.dot(up) / h;
+    let follows = |to: &Vector3<f64>| {
+        let (by_east, by_north) = level.parts(&pointing_slope(up, axis, rotation, to));
+        (n * by_east - e * by_north) / h
     };
-    let tilt = tilt_sigma_deg.to_radians() * hypot(slope(&across), slope(&up.cross(&across))) * horizontal;
-    let variance = across_ut2(field_ut, &up, covariance_ut2)? + tilt * tilt;
-    angle_sigma_deg(variance, horizontal)
+    let to_east = level.vertical / level.horizontal - n * rise + follows(east);
+    let to_north = e * rise + follows(north);
+    let tilt_rad2 = tilt_sigma_deg.to_radians().powi(2) * (to_east * to_east + to_north * to_north);
+    angle_sigma_deg(level.across_rad2(covariance_ut2) + tilt_rad2)
 }
 
-/// Variance of the horizontal part of a field across it, uT^2, as far as it turns that part: a part whose length is not known
-/// turns by more. `E[(y/x)^2] = var y / x^2 (1 + 3 var x / x^2 + ...)`. `up` has length 1.
-pub(crate) fn across_ut2(field_ut: &Vector3<f64>, up: &Vector3<f64>, covariance_ut2: &Matrix3<f64>) -> Option<f64> {
-    let east = field_ut.cross(up);
-    let across = east.try_normalize(VERTICAL)?;
-    let along = up.cross(&across);
-    let variance = |d: &Vector3<f64>| (covariance_ut2 * d).dot(d);
-    Some(variance(&across) * (1.0 + 3.0 * variance(&along).max(0.0) / east.norm_squared()))
-}
-
-/// The standard deviation of an angle whose vector has this length, and this variance across it, degrees.
-pub(crate) fn angle_sigma_deg(variance: f64, length: f64) -> Option<f64> {
-    let sd = variance.max(0.0).sqrt();
-    // as an arc, since an arc tangent would stop at 90; a vector lost in its uncertainty knows no direction at all
-    let sigma = if sd > Tuning::USED.lost_ratio * length { 180.0 } else { (sd / length).to_degrees() };
-    sigma.is_finite().then_some(sigma)
-}
-
-/// A vector of length 1; None for one that has no direction.
-pub(crate) fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
-    v.try_normalize(0.0).filter(|v| v.iter().all(|c| c.is_finite()))
+/// The standard deviation of an angle of this variance, degrees; 180 where it knows no direction at all.
+pub(crate) fn angle_sigma_deg(variance_rad2: f64) -> Option<f64> {
+    // as an arc, since an arc tangent would stop at 90
+    let sd_rad = variance_rad2.max(0.0).sqrt();
+    let sigma = if sd_rad > Tuning::USED.lost_ratio { 180.0 } else { sd_rad.to_degrees() };
+    variance_rad2.is_finite().then_some(sigma)
 }
 
 /// True heading from a magnetic heading and the declination (east positive), degrees, 0 to 360.

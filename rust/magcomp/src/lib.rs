@@ -96,6 +96,7 @@ mod estimator;
 mod explanation;
 mod heading;
 mod kept;
+mod level;
 mod math;
 mod noise;
 mod north;

@@ -1,46 +1,44 @@
 //! From an estimator's answer to a reading: heading and attitude with their uncertainties, and what goes on from sample to sample.
 
 use super::Compensator;
-use crate::attitude::{Attitude, attitude, attitude_sigma_deg};
+use crate::attitude::{self, Attitude};
 use crate::estimator::answer::{Answer, KnownNorth};
-use crate::heading::{Heading, HeadingConfig, heading, heading_sigma_deg, true_heading_deg};
+use crate::heading::{self, Heading, HeadingConfig, true_heading_deg};
+use crate::level::Level;
 use crate::math::elementary::hypot;
 use crate::reading::{Reading, Status};
 use nalgebra::{Matrix3, Vector3};
 
 /// What heading and attitude are formed from.
 struct Pointing {
-    /// The estimator's own estimate where it has one, else the corrected sample, uT.
-    field_ut: Vector3<f64>,
+    /// Of the estimator's own estimate where it has one, else of the corrected sample.
+    level: Level,
     covariance_ut2: Option<Matrix3<f64>>,
-    up: Vector3<f64>,
     tilt_sigma_deg: f64,
 }
 
 impl Pointing {
     fn of(answer: &Answer, up: Option<Vector3<f64>>, tilt_sigma_deg: f64) -> Option<Self> {
-        let (field_ut, up) = answer.filtered_field_ut.or(answer.field_ut).zip(up)?;
+        let level = Level::of(&answer.filtered_field_ut.or(answer.field_ut)?, &up?)?;
         let covariance_ut2 = answer.filtered_covariance_ut2.or(answer.field_covariance_ut2);
-        Some(Self { field_ut, covariance_ut2, up, tilt_sigma_deg })
+        Some(Self { level, covariance_ut2, tilt_sigma_deg })
     }
 
     /// North alone, as a level field.
-    fn to(known: &KnownNorth, at_rest_deg: f64) -> Self {
-        let east = known.north.cross(&known.up);
-        Self {
-            field_ut: known.north,
-            covariance_ut2: Some(east * east.transpose() * known.variance_rad2),
-            up: known.up,
+    fn to(known: &KnownNorth, at_rest_deg: f64) -> Option<Self> {
+        let level = Level::of(&known.north, &known.up)?;
+        Some(Self {
+            covariance_ut2: Some(level.east * level.east.transpose() * known.variance_rad2),
             tilt_sigma_deg: hypot(at_rest_deg, known.tilt_rad2.sqrt().to_degrees()),
-        }
+            level,
+        })
     }
 
     fn heading(&self, config: &HeadingConfig) -> Option<Heading> {
         let HeadingConfig { axis, screen_rotation, declination_deg, .. } = *config;
-        let found = heading(&self.field_ut, &self.up, axis, screen_rotation)?;
-        let sigma = |covariance_ut2| {
-            heading_sigma_deg(&self.field_ut, &self.up, axis, screen_rotation, &covariance_ut2, self.tilt_sigma_deg)
-        };
+        let found = heading::of_level(&self.level, axis, screen_rotation)?;
+        let sigma =
+            |p: Matrix3<f64>| heading::sigma_of_level(&self.level, axis, screen_rotation, &p, self.tilt_sigma_deg);
         Some(Heading {
             heading_sigma_deg: self.covariance_ut2.and_then(sigma),
             true_heading_deg: declination_deg.map(|it| true_heading_deg(found.heading_deg, it)),
@@ -48,9 +46,9 @@ impl Pointing {
         })
     }
 
-    fn attitude(&self) -> Option<Attitude> {
-        let sigma = |covariance_ut2| attitude_sigma_deg(&self.field_ut, &self.up, &covariance_ut2, self.tilt_sigma_deg);
-        Some(Attitude { sigma_deg: self.covariance_ut2.and_then(sigma), ..attitude(&self.field_ut, &self.up)? })
+    fn attitude(&self) -> Attitude {
+        let sigma = |p: Matrix3<f64>| attitude::sigma_of_level(&self.level, &p, self.tilt_sigma_deg);
+        Attitude { sigma_deg: self.covariance_ut2.and_then(sigma), ..attitude::of_level(&self.level) }
     }
 }
 
@@ -70,7 +68,7 @@ impl Compensator {
         };
         let tilt_sigma_deg = hypot(self.config.heading.tilt_sigma_deg, motion_rad2.sqrt().to_degrees());
         let by_field = Pointing::of(answer, up, tilt_sigma_deg);
-        let by_north = answer.north.map(|known| Pointing::to(&known, self.config.heading.tilt_sigma_deg));
+        let by_north = answer.north.and_then(|known| Pointing::to(&known, self.config.heading.tilt_sigma_deg));
         let heading = |it: &Pointing| it.heading(&self.heading_config());
         let own = by_field.as_ref().and_then(heading);
         let told = by_north.as_ref().and_then(heading);
@@ -85,7 +83,7 @@ impl Compensator {
             filtered_field_ut: answer.filtered_field_ut,
             total_field_ut: answer.field_ut.map(|field| field.norm()),
             heading,
-            attitude: pointing.as_ref().and_then(Pointing::attitude),
+            attitude: pointing.as_ref().map(Pointing::attitude),
             sigma_t: answer.sigma_t,
             direction_sigma_deg: answer.direction_sigma_deg,
             worst_sigma_deg: answer.worst_sigma_deg,

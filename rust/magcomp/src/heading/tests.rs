@@ -79,18 +79,20 @@ fn a_tilt_turns_a_steep_axis_as_sigma_says() {
 }
 
 #[test]
-fn the_slope_is_that_of_finite_differences() {
+fn a_tilt_turns_the_heading_as_finite_differences_say() {
     let field = Vector3::new(3.0, 20.0, -40.0);
     for axis in [ReferenceAxis::TopEdge, ReferenceAxis::Camera, ReferenceAxis::Auto] {
         for rotation in [ScreenRotation::Deg0, ScreenRotation::Deg90, ScreenRotation::Deg270] {
             for up in [Vector3::new(0.1, 0.4, 0.9), Vector3::new(-0.8, 0.2, 0.5), Vector3::new(0.3, -0.77, -0.4)] {
                 let up = up.normalize();
-                let d = up.cross(&Vector3::new(0.3, 0.7, -0.2)).normalize();
-                let of = |step: f64| Level::of(&field, &(up + d * step).normalize(), axis, rotation);
-                let (one, other) = (of(-1e-6), of(1e-6));
-                let found = Level::slope(&field, &up, axis, rotation, &d);
-                let (east, north) = ((other.east - one.east) / 2e-6, (other.north - one.north) / 2e-6);
-                assert!((found.east - east).abs() < 1e-6 && (found.north - north).abs() < 1e-6, "{axis:?} {up:?}");
+                let across = up.cross(&Vector3::new(0.3, 0.7, -0.2)).normalize();
+                let slope = |d: Vector3<f64>| {
+                    let of = |step: f64| heading(&field, &(up + d * step), axis, rotation).unwrap().heading_deg;
+                    (of(1e-5) - of(-1e-5)) / 2e-5_f64.to_degrees()
+                };
+                let expected = slope(across).hypot(slope(up.cross(&across)));
+                let sigma = heading_sigma_deg(&field, &up, axis, rotation, &Matrix3::zeros(), 1.0).unwrap();
+                assert!((sigma / expected - 1.0).abs() < 1e-6, "{axis:?} {rotation:?} {up:?}: {sigma}, {expected}");
             }
         }
     }

@@ -5,40 +5,24 @@ mod tests;
 
 use super::tuning::Tuning;
 use crate::estimator::answer::{Answer, Carry};
-use crate::heading::{VERTICAL, across_ut2};
-use crate::math::elementary::{atan2, cos, hypot, sin, sin_cos};
+use crate::level::Level;
+use crate::math::elementary::{atan2, cos, sin, sin_cos};
 use crate::priors::BEYOND_CHANCE;
 use nalgebra::{Matrix3, Vector3};
 
-/// East, north and up, device frame, of length 1.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub(super) struct Level {
-    pub east: Vector3<f64>,
-    pub north: Vector3<f64>,
-    pub up: Vector3<f64>,
-}
-
 impl Level {
-    /// North is where the horizontal part of `towards` points. `None` where it has none.
-    pub fn of(towards: &Vector3<f64>, up: &Vector3<f64>) -> Option<Self> {
-        let up = up.try_normalize(0.0)?;
-        let east = towards.cross(&up).try_normalize(VERTICAL * towards.norm())?;
-        Some(Self { east, north: up.cross(&east), up })
-    }
-
     /// Clockwise from north, rad; `None` for an axis that is nearly vertical, whose heading no source tells.
-    pub fn bearing(&self, axis: &Vector3<f64>) -> Option<f64> {
-        let (east, north) = (axis.dot(&self.east), axis.dot(&self.north));
-        (hypot(east, north) > Tuning::USED.least_horizontal * axis.norm()).then(|| atan2(east, north))
+    pub(super) fn told_bearing(&self, axis: &Vector3<f64>) -> Option<f64> {
+        self.bearing(axis, Tuning::USED.least_horizontal)
     }
 
     /// Of the device's three axes the one that is the most horizontal.
-    pub fn most_horizontal(&self) -> Vector3<f64> {
+    pub(super) fn most_horizontal(&self) -> Vector3<f64> {
         Vector3::ith(self.up.iamin(), 1.0)
     }
 
     /// Its columns.
-    pub fn frame(&self) -> Matrix3<f64> {
+    pub(super) fn frame(&self) -> Matrix3<f64> {
         Matrix3::from_columns(&[self.east, self.north, self.up])
     }
 
@@ -46,7 +30,7 @@ impl Level {
     fn turned(&self, by_rad: f64) -> Self {
         let (sin, cos) = sin_cos(by_rad);
         let north = self.north * cos + self.east * sin;
-        Self { east: north.cross(&self.up), north, up: self.up }
+        Self { east: north.cross(&self.up), north, ..*self }
     }
 }
 
@@ -76,9 +60,7 @@ impl Own {
     pub fn of(answer: &Answer, tilt_rad2: f64) -> Option<Self> {
         let field_ut = answer.filtered_field_ut?;
         let level = Level::of(&field_ut, &answer.up?)?;
-        let across_ut2 = across_ut2(&field_ut, &level.up, &answer.filtered_covariance_ut2?)?;
-        let horizontal_ut2 = field_ut.cross(&level.up).norm_squared();
-        let variance_rad2 = (across_ut2 + tilt_rad2 * field_ut.dot(&level.up).powi(2)) / horizontal_ut2;
+        let variance_rad2 = level.variance_rad2(&answer.filtered_covariance_ut2?, tilt_rad2);
         Some(Self { level, variance_rad2 })
     }
 
@@ -207,7 +189,7 @@ impl Carried {
 
     /// Whether the magnetometer knows north as well, and does not exclude this; if not, it leads.
     pub fn is_no_better_than(&mut self, own: &Own) -> bool {
-        let Some(off_rad) = own.level.bearing(&self.level.north) else { return false };
+        let Some(off_rad) = own.level.told_bearing(&self.level.north) else { return false };
         self.leads = self.variance_rad2() < own.variance_rad2 || !self.agrees(off_rad, own.variance_rad2);
         !self.leads
     }
@@ -217,7 +199,8 @@ impl Carried {
     pub fn published(&self, own: &Own) -> (Level, f64) {
         let carried = self.level(&own.level.up);
         let (mine_rad2, own_rad2) = (self.variance_rad2(), own.variance_rad2);
-        match own.level.bearing(&carried.north).filter(|off_rad| own.is_known() && self.agrees(*off_rad, own_rad2)) {
+        match own.level.told_bearing(&carried.north).filter(|off_rad| own.is_known() && self.agrees(*off_rad, own_rad2))
+        {
             Some(off_rad) => {
                 let share = mine_rad2 / (mine_rad2 + own_rad2);
                 let sd_rad = mine_rad2.sqrt() * (1.0 - share) + own_rad2.sqrt() * share;

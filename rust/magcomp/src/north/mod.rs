@@ -21,11 +21,12 @@ mod tuning;
 
 use crate::estimator::answer::{Answer, Carry, KnownNorth};
 use crate::explanation::OutsideTest;
+use crate::level::Level;
 use crate::reading::HeadingAid;
 use crate::sample::{HeadedAxis, HeadingSample, NorthReference};
 use crate::sensing::pairing::{EventRejection, MAX_LEAD_S};
 use arrayvec::ArrayVec;
-use carried::{Carried, Level, Own, Told, wrap};
+use carried::{Carried, Own, Told, wrap};
 use history::{History, LATEST_S, NANO};
 use nalgebra::{Matrix3, Vector3};
 use offset::Offset;
@@ -188,11 +189,11 @@ impl North {
             HeadedAxis::Vehicle => self
                 .mounting
                 .map(|mounting| mounting.axis)
-                .filter(|axis| own.level.bearing(axis).is_some())
+                .filter(|axis| own.level.told_bearing(axis).is_some())
                 .unwrap_or_else(|| own.level.most_horizontal()),
         };
         let now = self.history.brought(&axis, heading.time_ns)?;
-        let own_bearing = own.level.bearing(&now)?;
+        let own_bearing = own.level.told_bearing(&now)?;
         let since_s = self.heard.map_or(f64::INFINITY, |it| (heading.time_ns - it.time_ns) as f64 * NANO);
         let mut told = Told {
             axis: now,
@@ -247,7 +248,7 @@ impl North {
 impl Told {
     /// By how much its axis is clockwise of where a north has it.
     fn off_rad(&self, north: &Carried, up: &Vector3<f64>) -> Option<f64> {
-        Some(wrap(self.bearing_rad - north.level(up).bearing(&self.axis)?))
+        Some(wrap(self.bearing_rad - north.level(up).told_bearing(&self.axis)?))
     }
 
     /// Variance, rad^2.

@@ -1,8 +1,8 @@
 mod by_hand;
 
-use super::carried::Level;
 use super::*;
 use crate::estimator::answer::Carry;
+use crate::level::Level;
 use nalgebra::Rotation3;
 
 const STEP_NS: i64 = 20_000_000;
@@ -105,7 +105,7 @@ fn independent_headings_are_averaged_with_the_magnetometers() {
     // one of each, equally good: half way, and by the root of two better
     let error_deg = -carried
         .level(&(device.attitude.inverse() * Vector3::z()))
-        .bearing(&(device.attitude.inverse() * Vector3::y()))
+        .told_bearing(&(device.attitude.inverse() * Vector3::y()))
         .unwrap()
         .to_degrees();
     assert!((error_deg - 6.0).abs() < 0.4, "{error_deg}");

@@ -20,7 +20,7 @@ use super::step::{Known, Step};
 use super::strength::impossible_field;
 use super::tuning::Tuning;
 use crate::ellipsoid::FitError;
-use crate::heading::across_ut2;
+use crate::level::Level;
 use crate::math::gaussian::Gaussian;
 use crate::priors::{BEYOND_CHANCE, LARGEST_UT, SHOWN_RAD2};
 use crate::reading::Missing;
@@ -303,7 +303,7 @@ fn place_ut2(misfit_ut2: f64, tuning: &Tuning) -> f64 {
 /// Variance of the direction of `h`: about `up` where it is known, of the worst axis else, rad^2.
 fn off_rad2(h: &Vector3<f64>, p_hh: &Matrix3<f64>, up: Option<&Vector3<f64>>) -> f64 {
     match up {
-        Some(up) => across_ut2(h, up, p_hh).map_or(f64::INFINITY, |variance| variance / h.cross(up).norm_squared()),
+        Some(up) => Level::of(h, up).map_or(f64::INFINITY, |level| level.across_rad2(p_hh)),
         None => p_hh.symmetric_eigenvalues().max() / h.norm_squared(),
     }
 }

@@ -28,7 +28,7 @@ fn an_axis_has_a_bearing_below_an_elevation_of_60_degrees_whatever_its_length() 
     for length in [0.2, 1.0, 3.0] {
         let bearing = |horizontal: f64| {
             let up = (1.0 - horizontal * horizontal).sqrt();
-            level().bearing(&(Vector3::new(-horizontal, 0.0, up) * length))
+            level().told_bearing(&(Vector3::new(-horizontal, 0.0, up) * length))
         };
         assert_eq!(bearing(0.49), None);
         assert!((bearing(0.51).unwrap() + 90.0_f64.to_radians()).abs() < 1e-12);
@@ -77,7 +77,7 @@ fn the_published_one_lies_between_both_as_their_variances_ask_for() {
     // 0.3 rad clockwise; variances 0.04 and 0.16: a fifth of the way to the magnetometer's
     let north = Carried { level: level().turned(0.3), ..carried(0.03, 0.01) };
     let (towards, variance_rad2) = north.published(&own(0.16));
-    assert!((level().bearing(&towards.north).unwrap() - 0.8 * 0.3).abs() < 1e-12);
+    assert!((level().told_bearing(&towards.north).unwrap() - 0.8 * 0.3).abs() < 1e-12);
     assert!((variance_rad2.sqrt() - (0.2 * 0.8 + 0.4 * 0.2)).abs() < 1e-12);
 }
 
