@@ -6,7 +6,7 @@ mod tests;
 use super::adopted::Adopted;
 use crate::calibration::{Given, independent};
 use crate::heading::Heading;
-use crate::math::elementary::exp;
+use crate::math::elementary::gain;
 use crate::priors::{DAYS_UT, IRON_PER_UT, SETTLED_S};
 
 /// See the module.
@@ -32,7 +32,7 @@ impl Belief {
     pub fn see_dip(&mut self, heading: &Heading, since_s: f64) {
         let Some(seen_deg) = heading.inclination_deg else { return };
         let dip_deg = self.inclination_deg.get_or_insert(seen_deg);
-        *dip_deg += (seen_deg - *dip_deg) * (1.0 - exp(-since_s / SETTLED_S));
+        *dip_deg += (seen_deg - *dip_deg) * gain(since_s, SETTLED_S);
     }
 
     /// What the next estimator begins from: the calibration in force, no surer than usual unless one was given that is.

@@ -23,6 +23,11 @@ pub(crate) fn hypot(a: f64, b: f64) -> f64 {
     (a * a + b * b).sqrt()
 }
 
+/// What a low-pass of `time_s` takes of a value that has lasted for `dt_s`.
+pub(crate) fn gain(dt_s: f64, time_s: f64) -> f64 {
+    (dt_s / time_s).min(1.0)
+}
+
 /// Mathematics: below this square of an angle, a quarter of a radian, six terms of the series leave out less than rounding does, rad^2.
 const SMALL_RAD2: f64 = 0.0625;
 /// Mathematics: the square of the sine of half of it, of which eight terms are as good.

@@ -6,7 +6,7 @@ mod tests;
 use super::tuning::Tuning;
 use crate::estimator::answer::{Answer, Carry};
 use crate::level::Level;
-use crate::math::elementary::{atan2, cos, sin, sin_cos};
+use crate::math::elementary::{atan2, cos, gain, sin, sin_cos};
 use crate::priors::BEYOND_CHANCE;
 use nalgebra::{Matrix3, Vector3};
 
@@ -152,7 +152,7 @@ impl Carried {
         self.own_rad2 += span_s * (2.0 * self.shared_rad2_s + self.drift_rad2_s2 * span_s) + carry.noise_rad2;
         self.shared_rad2_s += self.drift_rad2_s2 * span_s;
         // it wanders, and turns with the device
-        self.drift_rad2_s2 += (bias_rad2_s2 - self.drift_rad2_s2) * (span_s / Tuning::USED.own_support_s).min(1.0);
+        self.drift_rad2_s2 += (bias_rad2_s2 - self.drift_rad2_s2) * gain(span_s, Tuning::USED.own_support_s);
     }
 
     /// Whether a heading that is off by so much, with this variance, may be right.

@@ -15,7 +15,7 @@
 mod tests;
 
 use super::tuning::Tuning;
-use crate::math::elementary::{exp, quaternion, rotation_vector};
+use crate::math::elementary::{gain, quaternion, rotation_vector};
 use arrayvec::ArrayVec;
 use nalgebra::Vector3;
 use std::mem::take;
@@ -188,7 +188,7 @@ impl InertialPairing {
         let bend = slope - before;
         let Some(bend_before) = self.bend.replace(bend) else { return };
         let seen = -bend.dot(&bend_before) * span_s / 3.0;
-        self.wander += (1.0 - exp(-span_s / Tuning::USED.wander_s)) * (seen - self.wander);
+        self.wander += gain(span_s, Tuning::USED.wander_s) * (seen - self.wander);
         self.gathered_rad2 += self.wander.max(0.0) * span_s.powi(3) / 12.0;
     }
 

@@ -16,6 +16,7 @@
 mod tests;
 
 use super::tuning::Tuning;
+use crate::math::elementary::gain;
 use crate::strength::EARTH_UT;
 use nalgebra::Vector3;
 
@@ -91,21 +92,21 @@ impl Tilt {
         };
         let dt_s = age_s(it).max(1e-6);
         it.last_ns = time_ns;
-        let gain = (dt_s / tilt_s).min(1.0);
-        it.motion += gain * (off(&a) - it.motion);
-        let moved_ut = (raw_ut - it.raw_ut) * (dt_s / (motion_s / 2.0)).min(1.0);
+        let share = gain(dt_s, tilt_s);
+        it.motion += share * (off(&a) - it.motion);
+        let moved_ut = (raw_ut - it.raw_ut) * gain(dt_s, motion_s / 2.0);
         it.raw_ut += moved_ut;
         let turning = (moved_ut.norm() / (EARTH_UT.end * dt_s)).powi(2);
-        it.turning += (dt_s / (1.5 * motion_s)).min(1.0) * (turning - it.turning);
+        it.turning += gain(dt_s, 1.5 * motion_s) * (turning - it.turning);
         // a turn about the field itself does not show: of turns about all axes a third
         it.variance += (hand_rad.powi(2) + 1.5 * it.turning * tilt_s) * dt_s;
         let noise = NOISE.powi(2) + across * it.motion * (motion_s / dt_s).max(1.0);
         let expected = it.variance + noise;
         let e = a - it.up;
         let along = it.up.try_normalize(LEAST_LENGTH).map_or(0.0, |up| e.dot(&up));
-        it.surprise += gain * ((e.norm_squared() - along * along) / (2.0 * expected) - it.surprise);
+        it.surprise += share * ((e.norm_squared() - along * along) / (2.0 * expected) - it.surprise);
         it.up += e * (it.variance / expected);
         it.variance *= noise / expected;
-        it.motion_left += gain * (off(&it.up) - it.motion_left);
+        it.motion_left += share * (off(&it.up) - it.motion_left);
     }
 }

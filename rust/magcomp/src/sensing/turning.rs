@@ -176,14 +176,26 @@ pub(super) fn is_no_chance(log_ratio: f64) -> bool {
     log_ratio > 0.5 * OUTLYING * OUTLYING - ln(RARE)
 }
 
-/// The 24 frames along the axes of another, right-handed for a hand of 1 and mirrored for one of -1.
-pub(super) fn frames(hand: f64) -> impl Iterator<Item = Frame> {
-    let orders =
+/// Mathematics: the frames along the axes of another: 24 right-handed ones, then their 24 mirrors.
+const FRAMES: [Frame; 48] = all_frames();
+
+const fn all_frames() -> [Frame; 48] {
+    const ORDERS: [([usize; 3], f64); 6] =
         [([0, 1, 2], 1.0), ([1, 2, 0], 1.0), ([2, 0, 1], 1.0), ([0, 2, 1], -1.0), ([1, 0, 2], -1.0), ([2, 1, 0], -1.0)];
-    let signs = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
-    orders.into_iter().flat_map(move |(order, parity): ([usize; 3], f64)| {
-        signs.map(|[x, y]| [(order[0], x), (order[1], y), (order[2], x * y * parity * hand)])
-    })
+    const SIGNS: [[f64; 2]; 4] = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
+    let (mut frames, mut k) = ([AS_READ; 48], 0);
+    while k < 48 {
+        let (([a, b, c], parity), [x, y]) = (ORDERS[k % 24 / 4], SIGNS[k % 4]);
+        let hand = if k < 24 { parity } else { -parity };
+        frames[k] = [(a, x), (b, y), (c, x * y * hand)];
+        k += 1;
+    }
+    frames
+}
+
+/// The 24 of one hand: right-handed for 1, mirrored for -1.
+pub(super) fn frames(hand: f64) -> impl Iterator<Item = Frame> {
+    FRAMES.into_iter().skip(if hand < 0.0 { 24 } else { 0 }).take(24)
 }
 
 /// The magnetometer's axes for a frame of the rates, or their mirror: what has fewer signs turned.

@@ -15,8 +15,10 @@ fn the_dip_is_a_mean_over_five_seconds() {
     assert_eq!(belief.inclination_deg, Some(60.0));
     belief.see_dip(&dip(70.0), 0.0);
     assert_eq!(belief.inclination_deg, Some(60.0));
-    belief.see_dip(&dip(70.0), 5.0);
-    assert!((belief.inclination_deg.unwrap() - (70.0 - 10.0 * (-1.0_f64).exp())).abs() < 1e-12);
+    belief.see_dip(&dip(70.0), 1.0);
+    assert!((belief.inclination_deg.unwrap() - 62.0).abs() < 1e-12);
+    belief.see_dip(&dip(75.0), 100.0);
+    assert_eq!(belief.inclination_deg, Some(75.0));
 }
 
 /// 2 uT usually, or less where what was adopted was known better; 0.3 % of M for each uT that is added, half of it in squares beside the diagonal.

@@ -13,13 +13,13 @@
 //! ```
 //! Source: docs/dev/METHOD-AIDED.md; q_b after Myers and Tapley 1976, with the lagged product in place of the square.
 
-use crate::math::elementary::exp;
+use crate::math::elementary::{exp, gain};
 use crate::priors::BEYOND_CHANCE;
 use nalgebra::{Matrix3, Vector3};
 
 use super::measure::Innovation;
 use super::state::Parts;
-use super::step::{Known, Step, gain};
+use super::step::{Known, Step};
 use super::tuning::Tuning;
 
 /// Choice: least magnetometer noise, per axis, uT: phones read in steps of up to 0.6 uT, whose rounding alone is 0.17 uT.
@@ -77,9 +77,9 @@ impl White {
     ) {
         let (offset_ut, soft_iron) = (x.hard_iron, x.soft_iron());
         if let (Some((previous, since)), Some(w)) = (self.previous, soft_iron.try_inverse()) {
-            let e = raw_ut - offset_ut - soft_iron * (turn * since * (w * (previous - offset_ut)));
+            let e = raw_ut - offset_ut - soft_iron * (turn * (since * (w * (previous - offset_ut))));
             let size = e.norm();
-            let share = if tuning.noise_learning { (dt_s / memory_s).min(1.0) } else { 0.0 };
+            let share = if tuning.noise_learning { gain(dt_s, memory_s) } else { 0.0 };
             let variance = self.variance_ut2;
             self.variance_ut2 += share * ((size * size / 6.0).min(BEYOND_CHANCE.powi(2) * variance) - variance);
             self.variance_ut2 = self.variance_ut2.max(LEAST_NOISE_UT.powi(2));
@@ -146,9 +146,9 @@ impl Adaptation {
         let seen = (self.slow_ut.norm_squared() / 3.0 - white)
             .min(BEYOND_CHANCE.powi(2) * self.slow_power_ut2.max(self.mean.variance_ut2));
         self.slow_age_s = (self.slow_age_s + dt_s).min(tuning.settled_s);
-        let share = (dt_s / self.slow_age_s).min(1.0);
+        let share = gain(dt_s, self.slow_age_s);
         self.slow_power_ut2 += share * (seen - self.slow_power_ut2);
-        self.lasting_ut += (difference_ut - self.lasting_ut) * (dt_s / tuning.walk_s).min(1.0);
+        self.lasting_ut += (difference_ut - self.lasting_ut) * gain(dt_s, tuning.walk_s);
         let power = (difference_ut.norm_squared() / 3.0)
             .min(BEYOND_CHANCE.powi(2) * self.power_ut2.max(self.mean.variance_ut2));
         self.power_ut2 += share * (power - self.power_ut2);
@@ -272,8 +272,7 @@ impl Adaptation {
         let unseen = (variance_ut2 - self.walk_began_ut2).max(0.0);
         let seen = (self.walked_ut.dot(&self.walked_before_ut) + unseen) / (3.0 * self.walked_s);
         // one product has three degrees of freedom: it is not believed beyond nine fold
-        let next =
-            now + (self.walked_s / tuning.settled_s).min(1.0) * (seen.clamp(-now, BEYOND_CHANCE.powi(2) * now) - now);
+        let next = now + gain(self.walked_s, tuning.settled_s) * (seen.clamp(-now, BEYOND_CHANCE.powi(2) * now) - now);
         self.walk_ut = next.max(0.0).sqrt().clamp(tuning.offset_walk_ut, tuning.largest_walk_ut);
         self.restart_walk(self.walked_ut, variance_ut2);
     }

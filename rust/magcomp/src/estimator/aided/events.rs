@@ -11,11 +11,12 @@
 
 use super::measure::{ALL_BUT_FIELD, Innovation, NONE};
 use super::state::{FIELD, Filter, HARD_IRON};
-use super::step::{SAMPLE_S, Step, gain};
+use super::step::{SAMPLE_S, Step};
 use super::tuning::Tuning;
 use super::watch::{Former, Watch};
 use crate::estimator::answer::LEAST_TOLD_UT;
 use crate::explanation::{ChangeHypothesis, ChangeKind};
+use crate::math::elementary::gain;
 use crate::reading::EventKind;
 use crate::strength::STRONGEST_AXIS_UT;
 

@@ -23,6 +23,7 @@ use crate::reading::Status;
 
 impl Aided {
     /// One sample with a rotation.
+    #[inline(always)]
     pub(super) fn with_rotation(&mut self, step: &Step<'_>) -> (Status, Answer) {
         match self.phase {
             Phase::Starting(_) => self.collect(step),

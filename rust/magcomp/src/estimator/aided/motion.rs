@@ -1,7 +1,7 @@
 //! How the device moves: turning, at rest, and where up is.
 //!
 //! ```text
-//! rate += (1 - exp(-dt / 0.5 s)) (|w - g| - rate),   motion = min((rate / 0.3 rad/s)^2, 1)
+//! rate += (dt / 0.5 s) (|w - g| - rate),   motion = min((rate / 0.3 rad/s)^2, 1)
 //! up <- R up,   up += (dt / T) (a - up),   a: accelerometer / G, low-passed for a second and turned likewise
 //! s += (dt / T_0) (accelerometer / G - up - s),   l += (dt / T_0) (s - l),   L = mean |s - l|^2 across up,   T_0 = 5 s
 //! D^2 = s_g^2 + P_ss |net rate|^2,   N^2: variance a second of what the gyroscope did between its events
@@ -10,13 +10,13 @@
 //! Averaged over T, what lasts of the motion leaves L T_0 / T in `up`; the gyroscope tilts it by D T and N sqrt(T) meanwhile. What lasts longer, l, is
 //! an error of `up` or of the accelerometer: it says nothing of the motion, so it is not in L. Source: docs/dev/METHOD-AIDED.md.
 
-use crate::math::elementary::cbrt;
+use crate::math::elementary::{cbrt, gain};
 use crate::priors::TILT_RAD;
 use crate::sensing::tilt::GRAVITY_M_S2;
 use nalgebra::{Matrix3, Vector3};
 
 use super::propagate::ANGLE_WALK_RAD;
-use super::step::{Known, gain};
+use super::step::Known;
 use super::tuning::Tuning;
 
 /// Choice: share of gravity below which an accelerometer falls with the device, and shows no vertical.
@@ -113,7 +113,7 @@ impl Motion {
         };
         // at the start a plain mean
         self.up_age_s += dt_s;
-        let share = |time_s: f64| (dt_s / time_s).min(1.0);
+        let share = |time_s: f64| gain(dt_s, time_s);
         self.felt += (reads - self.felt) * share(tuning.local_time_s.min(self.up_age_s));
         let time_s = (TILT_RAD / known.bias_sd_rad_s).max(0.5).min(tuning.settled_s).min(self.up_age_s);
         let drift_rad2_s2 = known.bias_sd_rad_s.powi(2) + known.axes_sd.powi(2) * self.net_rad_s.norm_squared();

@@ -24,6 +24,7 @@ use crate::strength::EARTH_UT;
 
 impl Aided {
     /// What is published after a sample with a rotation; `None` where c or f has no value. Their covariances are those of the latest frame.
+    #[inline(always)]
     pub(super) fn published(&mut self, step: &Step<'_>) -> Option<Answer> {
         let filter = self.phase.known()?;
         let x = filter.parts();
@@ -91,6 +92,7 @@ impl Aided {
     }
 
     /// c, and f if it is known (uT), in the gauge of the known strength; `None` unless they are finite.
+    #[inline(always)]
     fn answer(&self, filter: &Filter, c: Gaussian<3>, f: Option<Gaussian<3>>) -> Option<Answer> {
         let is_finite = |it: &Gaussian<3>| it.mean.iter().chain(it.covariance.iter()).all(|v| v.is_finite());
         if !is_finite(&c) || !f.iter().all(is_finite) {

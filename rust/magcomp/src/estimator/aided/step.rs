@@ -1,6 +1,5 @@
 //! One sample with a rotation, as the parts of the estimator share it.
 
-use crate::math::elementary::exp;
 use nalgebra::{Matrix3, Vector3};
 
 use super::propagate::ProcessNoise;
@@ -74,11 +73,6 @@ impl<'a> Step<'a> {
             ..*self
         }
     }
-}
-
-/// What a low-pass of `time_s` takes of a value that has lasted for `dt_s`.
-pub(crate) fn gain(dt_s: f64, time_s: f64) -> f64 {
-    1.0 - exp(-dt_s / time_s)
 }
 
 /// What is known of calibration and gyroscope before a sample.

@@ -6,10 +6,11 @@
 //! ```
 //! Source: docs/dev/METHOD-AIDED.md; the recall of a former calibration is new.
 
+use crate::math::elementary::gain;
 use nalgebra::Vector3;
 
 use super::state::{CALIBRATION, Filter, HARD_IRON, HARD_IRON_ALONE, SOFT_IRON_ALONE};
-use super::step::{Step, gain};
+use super::step::Step;
 use super::tuning::Tuning;
 use crate::calibration::iron_rows;
 use crate::math::gaussian::Gaussian;
