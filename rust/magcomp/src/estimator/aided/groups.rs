@@ -1,19 +1,17 @@
 //! The samples of a start, averaged in groups, so that all of them can be fitted at once and anew.
 //!
 //! ```text
-//! R      turns the field from the device frame of one sample to that of the next:  h <- R h
-//! group: turn = product of R,  back = sum of R' from the group's end to each sample,  raw = sum of samples
-//!        G = sum of R_end ((dt, increment') (x) I)      (R_end: from the step to the group's end)
-//! with the gyroscope's bias g and scale error s:  turn' = exp([G (g, s)]x) turn
+//! group: back = sum of r' from the group's end to each sample,  raw = sum of samples,  turn and G: `turned`
 //! ```
 //! The model is linear in `back`, so a mean over a group loses nothing; what g and s do within a group is taken to first order.
 //! While a fit leaves more than a place does, the oldest groups go: a device that changed during its start is known soon after.
 //! Source: docs/dev/METHOD-AIDED.md, Start.
 
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use super::state::Parts;
 use super::tuning::Tuning;
+use super::turned::Turned;
 use crate::math::turn::Turn;
 
 /// Choice: groups held.
@@ -23,13 +21,22 @@ const LONGEST_S: f64 = Tuning::USED.memory_s;
 /// Choice: and at first, before groups have been joined in pairs twice: a fit is made after each.
 const SHORTEST_S: f64 = LONGEST_S / 4.0;
 
-/// Sums over the samples of a group, or their means as seen from the latest sample with the gyroscope's errors taken out.
+/// Sums over the samples of a group.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Group {
-    turn: Matrix3<f64>,
-    /// R' to the samples: their mean field is `back` h.
+    turned: Turned,
+    /// r' to the samples: their mean field is `back` h.
     pub(super) back: Matrix3<f64>,
-    /// Of a sum: what g and s add to the turn; of a mean: derivative of the mean field by g and s.
+    pub(super) raw_ut: Vector3<f64>,
+    pub(super) rate_rad_s: Vector3<f64>,
+    pub(super) count: f64,
+    pub(super) moved_s: f64,
+}
+
+/// The means of a group as seen from the latest sample, with the gyroscope's errors taken out.
+pub(super) struct Seen {
+    pub(super) back: Matrix3<f64>,
+    /// Derivative of the mean field by g and s.
     pub(super) by_gyroscope: SMatrix<f64, 3, 12>,
     pub(super) raw_ut: Vector3<f64>,
     pub(super) rate_rad_s: Vector3<f64>,
@@ -38,16 +45,11 @@ pub(super) struct Group {
 }
 
 impl Group {
-    fn new() -> Self {
-        Self { turn: Matrix3::identity(), ..Self::default() }
-    }
-
     /// The sums of this group and of the one that follows it.
     fn joined(&self, next: &Self) -> Self {
         Self {
-            turn: next.turn * self.turn,
-            back: self.back * next.turn.transpose() + next.back,
-            by_gyroscope: next.turn * self.by_gyroscope + next.by_gyroscope,
+            turned: self.turned.joined(&next.turned),
+            back: self.back * next.turned.turn.transpose() + next.back,
             raw_ut: self.raw_ut + next.raw_ut,
             rate_rad_s: self.rate_rad_s + next.rate_rad_s,
             count: self.count + next.count,
@@ -66,7 +68,7 @@ pub(super) struct Groups {
 
 impl Default for Groups {
     fn default() -> Self {
-        Self { groups: [Group::new(); GROUPS], used: 1, longest_s: SHORTEST_S }
+        Self { groups: [Group::default(); GROUPS], used: 1, longest_s: SHORTEST_S }
     }
 }
 
@@ -78,12 +80,8 @@ impl Groups {
 
     /// A step of the gyroscope, its errors not removed.
     pub(super) fn turn(&mut self, increment_rad: &Vector3<f64>, dt_s: f64) {
-        let r = Turn::by(&-increment_rad).rotation;
         let group = &mut self.groups[self.used - 1];
-        group.turn = r * group.turn;
-        group.back *= r.transpose();
-        let errors = increment_rad.transpose().insert_column(0, dt_s);
-        group.by_gyroscope = r * group.by_gyroscope + errors.kronecker(&Matrix3::identity());
+        group.back *= group.turned.step(increment_rad, dt_s).transpose();
     }
 
     /// A sample after that step. Returns whether a group is full.
@@ -118,34 +116,33 @@ impl Groups {
                 self.used -= 1;
             }
         }
-        self.groups[self.used] = Group::new();
+        self.groups[self.used] = Group::default();
         self.used += 1;
     }
 
     /// Means over each group, from the latest back to the first, for the field now, and bias and scale error, of `x`.
-    pub(super) fn means<'a>(&'a self, x: &Parts) -> impl Iterator<Item = Group> + use<'a> {
-        let h = x.field;
-        let mut errors = SVector::<f64, 12>::zeros();
-        errors.fixed_rows_mut::<3>(0).copy_from(&x.bias);
-        errors.fixed_rows_mut::<9>(3).copy_from_slice(x.axes.as_slice());
+    pub(super) fn means<'a>(&'a self, x: &Parts) -> impl Iterator<Item = Seen> + use<'a> {
+        let x = *x;
         // from now to the group's end, and what g and s do to the field there
         let mut back = Matrix3::identity();
         let mut by_gyroscope = SMatrix::<f64, 3, 12>::zeros();
         self.groups[..self.used].iter().rev().filter_map(move |group| {
-            let off = group.by_gyroscope * errors;
-            let leads = (back * h).cross_matrix() * group.by_gyroscope;
+            let Turned { turn, by_gyroscope: of_group, .. } = group.turned;
+            let off = group.turned.added(&x);
+            let leads = (back * x.field).cross_matrix() * of_group;
             // on average half of a group's error lies between its end and a sample
             let half = Turn::by(&(-off * 0.5)).rotation;
             let mean = group.back * half / group.count;
-            let seen = Group {
+            let seen = Seen {
                 raw_ut: group.raw_ut / group.count,
                 rate_rad_s: group.rate_rad_s / group.count,
                 back: mean * back,
                 by_gyroscope: mean * (by_gyroscope + leads * 0.5),
-                ..*group
+                count: group.count,
+                moved_s: group.moved_s,
             };
             let whole = Turn::by(&-off).rotation;
-            let to_start = group.turn.transpose() * whole;
+            let to_start = turn.transpose() * whole;
             by_gyroscope = to_start * (by_gyroscope + leads);
             back = to_start * back;
             (group.count > 0.0).then_some(seen)

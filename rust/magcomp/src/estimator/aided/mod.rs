@@ -1,7 +1,7 @@
 //! The aided estimator: gyroscope and gravity beside the magnetometer.
 //!
 //! One file an idea: `state` · `propagate` · `measure` · `adapt` (noise) · `motion` (rest, up) · `strength` · `earth` (in a new place) · `watch` (samples
-//! that do not fit) · `quarantine`, `bursts` (magnets that are passed) · `recent` (delay) · `events` (hypotheses) · `first_fit`, `batch`, `groups` · `phase` (start, filter, hypotheses: one owner) · `start` · one sample: `step`, `sense`, `learn`, `decide`,
+//! that do not fit) · `turned` (over several samples) · `quarantine`, `bursts` (magnets that are passed) · `recent` (delay) · `events` (hypotheses) · `first_fit`, `batch`, `groups` · `phase` (start, filter, hypotheses: one owner) · `start` · one sample: `step`, `sense`, `learn`, `decide`,
 //! `publish` · `explain` (for people). The derivation is in docs/dev/METHOD-AIDED.md.
 
 mod adapt;
@@ -29,6 +29,7 @@ mod strength;
 #[cfg(test)]
 mod tests;
 mod tuning;
+mod turned;
 mod watch;
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
