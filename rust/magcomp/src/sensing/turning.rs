@@ -11,9 +11,10 @@
 //! ```
 //! A mirrored vector turns alike, so each of the 24 right-handed G stands for a magnetometer's axes and for their mirror. None of them is believed that explains
 //! no more than a field that does not care for turns: that of a magnet one walks by. A window in which the field changes by more than the turn moves the
-//! Earth's strongest field says nothing of axes, either.
-//! Of 44 recordings of sound phones the most is 4.2; of their fields with axes swapped, mirrored or turned the bound was passed after 4 to 12 s of motion, of
-//! all.
+//! Earth's strongest field says nothing of axes, either. What a window leaves over as read counts so far that two of them can't reach the bound: a device that
+//! steps does so between two windows. Axes that are wrong are so in every window.
+//! Of 52 recordings of sound phones, and 180 simulated ones with steps, magnets and cars, none is refused; of the 52 with their fields' axes swapped, mirrored
+//! or turned all are, half of them within 9 s.
 
 use crate::math::elementary::{ln, turn_factors};
 use crate::priors::{OUTLYING, RARE, STEP_S};
@@ -114,7 +115,7 @@ impl Turning {
             let changes = mean - before;
             let turned_rad = changes.fixed_rows::<3>(12).norm();
             if changes.fixed_rows::<3>(0).norm() < EARTH_UT.end * turned_rad {
-                self.moments = self.moments * KEPT + changes * changes.transpose();
+                self.moments = self.moments * KEPT + changes * changes.transpose() * self.share(&changes);
                 self.windows = self.windows * KEPT + 1.0;
                 self.verdict = self.judge();
             }
@@ -127,8 +128,23 @@ impl Turning {
         (self.sum, self.samples, self.length_s) = (Changes::zeros(), 0.0, 0.0);
     }
 
+    /// By what a window counts: two of them, all that a step of the field is seen in, can't reach the bound, whatever explains them.
+    fn share(&self, changes: &Changes) -> f64 {
+        let (as_read, b_ut) = self.fit(AS_READ);
+        let w = |i: usize, k: usize| changes[3 + 3 * i + k];
+        let of_turns = Vector3::new(w(1, 2) - w(2, 1), w(2, 0) - w(0, 2), w(0, 1) - w(1, 0));
+        let left = changes.fixed_rows::<3>(0) + of_turns + changes.fixed_rows::<3>(12).cross(&b_ut);
+        let usual = (as_read + self.by_bias()) / self.windows.max(1.0);
+        (0.5 * no_chance() * usual / left.norm_squared()).min(1.0)
+    }
+
+    /// n B.
+    fn by_bias(&self) -> f64 {
+        self.windows.max(1.0) * (LARGEST_BIAS_RAD_S * STEP_S * EARTH_UT.end).powi(2)
+    }
+
     fn judge(&self) -> Verdict {
-        let by_bias = self.windows * (LARGEST_BIAS_RAD_S * STEP_S * EARTH_UT.end).powi(2);
+        let by_bias = self.by_bias();
         let explains = |left: f64, other: f64| is_no_chance(self.windows * ln((other + by_bias) / (left + by_bias)));
         let unmoved = self.moments.fixed_view::<3, 3>(0, 0).trace();
         let as_read = self.left(AS_READ);
@@ -151,6 +167,11 @@ impl Turning {
 
     /// S_G.
     fn left(&self, frame: Frame) -> f64 {
+        self.fit(frame).0
+    }
+
+    /// S_G, and the b of it.
+    fn fit(&self, frame: Frame) -> (f64, Vector3<f64>) {
         let moment = |a: &[(usize, f64)], b: &[(usize, f64)]| -> f64 {
             a.iter().map(|(i, s)| b.iter().map(|(k, t)| s * t * self.moments[(*i, *k)]).sum::<f64>()).sum()
         };
@@ -167,13 +188,18 @@ impl Turning {
         let right = Vector3::new(cross(2, 1) - cross(1, 2), cross(0, 2) - cross(2, 0), cross(1, 0) - cross(0, 1));
         // a turn about one axis alone leaves a part of b open
         let normal = Matrix3::identity() * (square.trace() + 1e-6) - square * (1.0 - 1e-6);
-        normal.cholesky().map_or(sum, |it| sum - right.dot(&it.solve(&right)))
+        let b_ut = normal.cholesky().map_or_else(Vector3::zeros, |it| it.solve(&right));
+        (sum - right.dot(&b_ut), -b_ut)
     }
 }
 
 /// Whether a log likelihood ratio is beyond that of four standard deviations, for one sensor in a hundred that is wrong.
 pub(super) fn is_no_chance(log_ratio: f64) -> bool {
-    log_ratio > 0.5 * OUTLYING * OUTLYING - ln(RARE)
+    log_ratio > no_chance()
+}
+
+fn no_chance() -> f64 {
+    0.5 * OUTLYING * OUTLYING - ln(RARE)
 }
 
 /// Mathematics: the frames along the axes of another: 24 right-handed ones, then their 24 mirrors.
@@ -295,6 +321,28 @@ mod tests {
             |t: f64| Vector3::new((0.8 * t).sin(), (1.1 * t + 2.0).sin(), (0.6 * t).cos()) * 60.0 * (0.3 * t).sin();
         let verdict = turned(60.0, Matrix3::identity(), Matrix3::identity(), boards);
         assert_eq!(verdict.axes, None);
+    }
+
+    /// A hand that hardly turns, and an offset that steps by 50 uT: one change explains nothing of axes, whatever turn it goes with.
+    #[test]
+    fn a_step_of_the_offset_blames_no_axes() {
+        for seed in 0..40 {
+            let mut turning = Turning::default();
+            let mut attitude = Rotation3::identity();
+            for k in 0..2000 {
+                let t = f64::from(k) * 0.02;
+                let phase = f64::from(seed);
+                let wobble = Vector3::new((2.9 * t).sin(), (3.3 * t + phase).cos(), (1.7 * t + phase).sin()) * 0.1;
+                let rate = wobble + Vector3::z() * if (19.0..22.0).contains(&t) { 1.5 } else { 0.0 };
+                attitude *= Rotation3::new(rate * 0.02);
+                let noise = Vector3::new((31.0 * t).sin(), (37.0 * t).sin(), (41.0 * t).sin()) * 0.5;
+                let step =
+                    Vector3::new(phase.sin(), phase.cos(), 0.3) * if t > 20.1 + 0.1 * phase { 50.0 } else { 0.0 };
+                let field = attitude.inverse() * Vector3::new(0.0, 25.0, -43.0) + step + noise;
+                turning.see(&field, &(rate * 0.02), 0.02);
+                assert_eq!(turning.verdict().axes, None, "{seed} at {t} s");
+            }
+        }
     }
 
     /// Asked again: ten seconds with the right axes take it back.
