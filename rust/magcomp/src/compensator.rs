@@ -1,7 +1,8 @@
 //! One `push`: a raw sample in, a [`Reading`] out. Checks the sample, pairs it with the other sensors' events, asks the one estimator, and
 //! assembles the reading. One file each: `check` (what a sample may be), `presence` (of the gyroscope), `belief` (in the calibration in
 //! force), `keep` (calibrations from elsewhere and for the next launch), `adopted` (what live samples say of one), `outside` (headings and
-//! orientations from outside), `assemble` (heading and attitude), `rails` (a full scale that nobody told), `tuning` (every choice), `tunings` (of all parts).
+//! orientations from outside), `assemble` (heading and attitude), `rails` (a full scale that nobody told), `repeats` (rest, or a sensor that
+//! hangs), `tuning` (every choice), `tunings` (of all parts).
 
 mod adopted;
 mod assemble;
@@ -11,6 +12,7 @@ mod keep;
 mod outside;
 mod presence;
 mod rails;
+mod repeats;
 mod tuning;
 mod tunings;
 
@@ -233,7 +235,8 @@ impl Compensator {
     /// # Errors
     /// [`RejectReason`] says why it would not.
     pub fn check(&self, sample: &MagneticSample) -> Result<(), RejectReason> {
-        self.stream.check(sample, self.config.range_ut, self.config.rail_ut, &self.tuning)
+        let is_told = self.pairing.hears(sample.time_ns);
+        self.stream.check(sample, self.config.range_ut, self.config.rail_ut, &self.tuning, is_told)
     }
 
     /// The estimator that the sensors allow takes over, from the calibration in force; whether that is the aided one.
@@ -254,9 +257,9 @@ impl Compensator {
     fn pair(&mut self, time_ns: i64, previous_ns: Option<i64>, field_ut: Option<&Vector3<f64>>) -> PairedInertial {
         let mut paired = self.pairing.pair(time_ns);
         self.presence.see(time_ns, previous_ns, paired.rotation.is_some());
+        let span_s = previous_ns.map_or(0.0, |previous_ns| (time_ns - previous_ns) as f64 * 1e-9);
         match (paired.rotation, previous_ns, paired.up_m_s2) {
-            (Some(rotation), Some(previous_ns), Some(up_m_s2)) => {
-                let span_s = (time_ns - previous_ns) as f64 * 1e-9;
+            (Some(rotation), Some(_), Some(up_m_s2)) => {
                 self.axes.see(&rotation, span_s, &up_m_s2);
                 if self.tuning.hanging && self.axes.is_gravity_frozen() {
                     // the gyroscope carries on where up is
@@ -265,10 +268,9 @@ impl Compensator {
             }
             _ => self.axes.pause(),
         }
+        self.stream.see(&paired, span_s);
         match (&paired.rotation, previous_ns, field_ut) {
-            (Some(rotation), Some(previous_ns), Some(field_ut)) => {
-                self.turning.see(field_ut, rotation, (time_ns - previous_ns) as f64 * 1e-9);
-            }
+            (Some(rotation), Some(_), Some(field_ut)) => self.turning.see(field_ut, rotation, span_s),
             _ => self.turning.pause(),
         }
         paired

@@ -261,7 +261,8 @@ pub enum RejectReason {
         /// The limit, s.
         limit_s: f64,
     },
-    /// The same value to the last bit for too long: the sensor or its driver hangs.
+    /// The same value to the last bit for too long while the device turns, or while neither gyroscope nor accelerometer tells that it rests: the sensor or its
+    /// driver hangs. Over with the next other value.
     #[error("the same value came {repeats} times; the sensor hangs")]
     Stuck {
         /// How many times in a row the value was accepted before.
