@@ -32,8 +32,8 @@ pub struct Reading {
     pub window: usize,
     /// Share of the directions seen in that window, 0 to 1.
     pub coverage: f64,
-    /// Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees, 0 to 180; the aided
-    /// and the adaptive method form it anew every 25 samples. None without a calibration or a known covariance.
+    /// Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees, above 0 and up to 180; the
+    /// aided and the adaptive method form it anew every 25 samples. None without a calibration or a known covariance.
     pub direction_sigma_deg: Option<f64>,
     /// The same for the one combination of parameters that is known worst: the root of the inverse of the information
     /// matrix's smallest eigenvalue, as an angle, degrees. Large where the directions seen leave something open, also
