@@ -243,7 +243,10 @@ fn finite(reading: &Reading) {
     let vector = |v: Option<Vector3<f64>>| v.is_none_or(|v| v.iter().all(|value| value.is_finite()));
     assert!(vector(reading.field_ut) && vector(reading.filtered_field_ut), "{reading:?}");
     assert!(fine(reading.field_sigma_ut, 0.0, f64::MAX) && fine(reading.total_field_ut, 0.0, f64::MAX), "{reading:?}");
-    assert!(fine(reading.direction_sigma_deg, 0.0, 180.0) && fine(reading.sigma_t, 0.0, f64::MAX), "{reading:?}");
+    assert!(
+        fine(reading.direction_sigma_deg, f64::MIN_POSITIVE, 180.0) && fine(reading.sigma_t, 0.0, f64::MAX),
+        "{reading:?}"
+    );
     assert!((0.0..=1.0).contains(&reading.coverage), "{reading:?}");
     if let Some(heading) = reading.heading {
         assert!((0.0..360.0).contains(&heading.heading_deg), "{heading:?}");

@@ -1,7 +1,8 @@
 //! One `push`: a raw sample in, a [`Reading`] out. Checks the sample, pairs it with the other sensors' events, asks the one estimator, and
 //! assembles the reading. One file each: `check` (what a sample may be), `presence` (of the gyroscope), `belief` (in the calibration in
 //! force), `keep` (calibrations from elsewhere and for the next launch), `adopted` (what live samples say of one), `outside` (headings and
-//! orientations from outside), `assemble` (heading and attitude), `rails` (a full scale that nobody told), `tuning` (every choice), `tunings` (of all parts).
+//! orientations from outside), `assemble` (heading and attitude), `rails` (a full scale that nobody told), `repeats` (rest, or a sensor that
+//! hangs), `tuning` (every choice), `tunings` (of all parts).
 
 mod adopted;
 mod assemble;
@@ -11,6 +12,7 @@ mod keep;
 mod outside;
 mod presence;
 mod rails;
+mod repeats;
 mod tuning;
 mod tunings;
 
@@ -238,7 +240,8 @@ impl Compensator {
     /// # Errors
     /// [`RejectReason`] says why it would not.
     pub fn check(&self, sample: &MagneticSample) -> Result<(), RejectReason> {
-        self.stream.check(sample, self.config.range_ut, self.config.rail_ut, &self.tuning)
+        let is_told = self.pairing.hears(sample.time_ns);
+        self.stream.check(sample, self.config.range_ut, self.config.rail_ut, &self.tuning, is_told)
     }
 
     /// The estimator that the sensors allow takes over, from the calibration in force; whether that is the aided one.
@@ -259,20 +262,21 @@ impl Compensator {
     fn pair(&mut self, time_ns: i64, previous_ns: Option<i64>, field_ut: Option<&Vector3<f64>>) -> PairedInertial {
         let mut paired = self.pairing.pair(time_ns);
         self.presence.see(time_ns, previous_ns, paired.rotation.is_some());
-        let Some((rotation, previous_ns)) = paired.rotation.zip(previous_ns) else {
+        let dt_s = previous_ns.map_or(0.0, |previous_ns| (time_ns - previous_ns) as f64 * 1e-9);
+        let rotation = paired.rotation.filter(|_| previous_ns.is_some());
+        if let (Some(rotation), Some(up_m_s2)) = (&rotation, &paired.up_m_s2) {
+            self.axes.read(rotation, dt_s, up_m_s2);
+            if self.tuning.hanging && self.axes.is_gravity_frozen() {
+                // the gyroscope carries on where up is
+                paired.up_m_s2 = None;
+            }
+        }
+        self.stream.see(&paired, dt_s);
+        let Some(Rotation { increment_rad, variance_rad2: bridged_rad2, .. }) = rotation else {
             self.break_chain();
             return paired;
         };
-        let dt_s = (time_ns - previous_ns) as f64 * 1e-9;
-        if let Some(up_m_s2) = &paired.up_m_s2 {
-            self.axes.read(&rotation, dt_s, up_m_s2);
-        }
-        if self.tuning.hanging && self.axes.is_gravity_frozen() {
-            // the gyroscope carries on where up is
-            paired.up_m_s2 = None;
-        }
-        let PairedInertial { up_m_s2, .. } = paired;
-        let Rotation { increment_rad, variance_rad2: bridged_rad2, .. } = rotation;
+        let up_m_s2 = paired.up_m_s2;
         let piece = Piece { increment_rad, dt_s, bridged_rad2, raw_ut: field_ut.copied(), late_s: 0.0, up_m_s2 };
         if let Some(Whole { raw_ut, up_m_s2, between_rad, length_s, .. }) = self.frame.add(&piece, false) {
             match up_m_s2 {

@@ -32,8 +32,8 @@ pub struct Reading {
     pub window: usize,
     /// Share of the directions seen in that window, 0 to 1.
     pub coverage: f64,
-    /// Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees, 0 to 180; the aided
-    /// and the adaptive method form it anew once a second. None without a calibration or a known covariance.
+    /// Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees, above 0 and up to 180; the
+    /// aided and the adaptive method form it anew once a second. None without a calibration or a known covariance.
     pub direction_sigma_deg: Option<f64>,
     /// The same for the one combination of parameters that is known worst: the root of the inverse of the information
     /// matrix's smallest eigenvalue, as an angle, degrees. Large where the directions seen leave something open, also
@@ -261,7 +261,8 @@ pub enum RejectReason {
         /// The limit, s.
         limit_s: f64,
     },
-    /// The same value to the last bit for too long: the sensor or its driver hangs.
+    /// The same value to the last bit for too long while the device turns, or while neither gyroscope nor accelerometer tells that it rests: the sensor or its
+    /// driver hangs. Over with the next other value.
     #[error("the same value came {repeats} times; the sensor hangs")]
     Stuck {
         /// How many times in a row the value was accepted before.

@@ -26,7 +26,7 @@ pub fn samples(count: usize) -> Vec<Vector3<f64>> {
 const SOFT_IRON: Matrix3<f64> = Matrix3::new(1.05, 0.06, -0.05, 0.06, 0.95, 0.08, -0.05, 0.08, 1.0);
 
 /// Normal deviates from a fixed congruential sequence.
-fn normal() -> impl FnMut() -> f64 {
+pub fn normal() -> impl FnMut() -> f64 {
     let mut state = 7_u64;
     let mut uniform = move || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

@@ -4,9 +4,11 @@
 mod tests;
 
 use super::rails::Rails;
+use super::repeats::Repeats;
 use super::tuning::Tuning;
 use crate::reading::{Axis, RejectReason};
 use crate::sample::MagneticSample;
+use crate::sensing::pairing::PairedInertial;
 use nalgebra::Vector3;
 
 /// Limit: largest step ahead in time, s: a week is longer than an app's pause, and shorter than the jump of a time in the wrong unit.
@@ -16,8 +18,7 @@ const LONGEST_GAP_S: f64 = 604_800.0;
 #[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub(super) struct Stream {
     latest: Option<MagneticSample>,
-    /// How many equal samples came in a row before the latest.
-    repeats: usize,
+    repeats: Repeats,
     rails: Rails,
     /// Samples in a row that were rejected for their time but follow one another, and the time of the latest, ns.
     astray: u32,
@@ -42,9 +43,13 @@ impl Stream {
         (self.astray, self.astray_ns) = (0, 0);
         self.rails.see(&sample.field_ut);
         let previous = self.latest.replace(sample);
-        let is_same = previous.is_some_and(|previous| previous.field_ut == sample.field_ut);
-        self.repeats = if is_same { self.repeats.saturating_add(1) } else { 0 };
+        self.repeats.count(previous.is_some_and(|previous| previous.field_ut == sample.field_ut));
         previous.map(|previous| previous.time_ns)
+    }
+
+    /// What the other sensors say with the latest sample, and the time since the one before, s.
+    pub fn see(&mut self, paired: &PairedInertial, span_s: f64) {
+        self.repeats.see(paired, span_s);
     }
 
     /// A sample's field is of no use, but its time is; the time of the one before, ns.
@@ -68,13 +73,14 @@ impl Stream {
         f64::from(self.astray) >= Tuning::USED.run_samples
     }
 
-    /// Whether the sample can be used, for a sensor's range and full scale.
+    /// Whether the sample can be used, for a sensor's range and full scale; `is_told`: gyroscope or gravity speaks.
     pub fn check(
         &self,
         sample: &MagneticSample,
         range_ut: f64,
         rail_ut: Option<f64>,
         tuning: &Tuning,
+        is_told: bool,
     ) -> Result<(), RejectReason> {
         let field = &sample.field_ut;
         if !field.iter().all(|v| v.is_finite()) {
@@ -92,12 +98,11 @@ impl Stream {
         if tuning.rails {
             self.rails.check(field)?;
         }
-        let repeats = self.repeats.saturating_add(1);
         let is_same = self.latest.is_some_and(|latest| latest.field_ut == *field);
-        if tuning.stuck && is_same && repeats as f64 >= Tuning::USED.run_samples {
-            return Err(RejectReason::Stuck { repeats });
+        match self.repeats.hang(is_told).filter(|_| tuning.stuck && is_same) {
+            Some(repeats) => Err(RejectReason::Stuck { repeats }),
+            None => Ok(()),
         }
-        Ok(())
     }
 
     /// Whether its time can be.

@@ -1,9 +1,13 @@
 //! The full scale of a sensor that nobody has told: an axis that reads its extreme value again and again, to the last bit, while the device turns.
+//!
+//! An axis that is not cut off changes meanwhile: where the others change by d about its extreme, by d^2 / 8 B in the strongest field B. That has to be more than
+//! two of its last bits, the least that it has changed by so far.
 
 #[cfg(test)]
 mod tests;
 
 use crate::reading::{Axis, RejectReason};
+use crate::strength::EARTH_UT;
 use nalgebra::Vector3;
 
 /// Choice: how often an axis repeats an extreme on end, not by chance, where the field turns.
@@ -23,6 +27,7 @@ pub(super) struct Rails {
 struct Extremes {
     lowest_ut: f64,
     highest_ut: f64,
+    last_bit_ut: Option<f64>,
     /// How often the latest reading, an extreme, was repeated.
     repeats: u32,
     /// Of all axes meanwhile.
@@ -67,6 +72,10 @@ impl Extremes {
         self.low_ut = self.low_ut.filter(|rail| value_ut >= *rail);
         self.lowest_ut = self.lowest_ut.min(value_ut);
         self.highest_ut = self.highest_ut.max(value_ut);
+        let change_ut = (value_ut - latest_ut[axis]).abs();
+        if change_ut > 0.0 {
+            self.last_bit_ut = Some(self.last_bit_ut.map_or(change_ut, |least| least.min(change_ut)));
+        }
         let is_extreme = value_ut == self.lowest_ut || value_ut == self.highest_ut;
         if value_ut != latest_ut[axis] || !is_extreme {
             self.repeats = 0;
@@ -78,7 +87,10 @@ impl Extremes {
         self.repeats = self.repeats.saturating_add(1);
         (self.least_ut, self.most_ut) = (self.least_ut.inf(field_ut), self.most_ut.sup(field_ut));
         let has_moved = self.highest_ut - self.lowest_ut > TURNED_UT;
-        if self.repeats >= REPEATS && has_moved && (self.most_ut - self.least_ut).norm() > TURNED_UT {
+        let turned_ut = (self.most_ut - self.least_ut).norm();
+        let changes_ut = (0.5 * turned_ut).powi(2) / (2.0 * EARTH_UT.end);
+        let is_still = self.last_bit_ut.is_some_and(|last_bit_ut| changes_ut > 2.0 * last_bit_ut);
+        if self.repeats >= REPEATS && has_moved && turned_ut > TURNED_UT && is_still {
             let rail_ut = if value_ut == self.highest_ut { &mut self.high_ut } else { &mut self.low_ut };
             *rail_ut = Some(value_ut);
         }

@@ -8,8 +8,8 @@ choices! {
     /// The choices.
     Tuning {
         /// So many samples in a row are no accident: where their times follow one another, but not that of the latest, they are from another
-        /// clock; where they are equal, the sensor hangs, as the noise of a phone's magnetometer changes the last digit sooner
-        run_samples: 50.0, "samples", "half a second at 100 Hz: tests/host/misbehaving.rs; tests/recordings have at most 3 equal ones";
+        /// clock; where they are equal, the device rests or the sensor hangs, as noise changes the last digit of most magnetometers sooner
+        run_samples: 50.0, "samples", "half a second at 100 Hz: tests/host/repeats.rs; tests/recordings have at most 3 equal ones";
         /// Without a rotation for so long the magnetometer goes on alone; and a vertical that has not come by then is not waited for
         gone_s: 2.0 * STEP_S, "s", "longer than a hiccup of the system: rust/magcomp-lab/tests/streams.rs";
         /// Time in which all but one device in e have changed: a cover, a charger, a car

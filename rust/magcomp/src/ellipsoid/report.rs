@@ -19,6 +19,9 @@ use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3};
 
 type Matrix9 = SMatrix<f64, 9, 9>;
 
+/// Data sheet: the finest last bit of a phone's magnetometer, 0.15 uT, as noise: / 12^0.5. Samples that leave less were not read to more.
+const LAST_BIT_UT: f64 = 0.043;
+
 /// An ellipsoid and how far to trust it.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
@@ -26,7 +29,7 @@ pub struct EllipsoidFit {
     /// M, b and the field strength.
     pub calibration: Calibration,
     /// Covariance of [b_x b_y b_z (uT), m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless)], for white noise of
-    /// `residual_rms_ut`. Zero when the samples are free of noise.
+    /// `residual_rms_ut`, and of 0.043 uT at the least: a sensor's last bit.
     pub covariance: Matrix9,
     /// Iterations made.
     pub iterations: usize,
@@ -36,7 +39,7 @@ pub struct EllipsoidFit {
     pub residual_rms_ut: f64,
     /// Longest over shortest half axis.
     pub axis_ratio: f64,
-    /// Predicted rms error of a corrected direction, over all directions, degrees.
+    /// Predicted rms error of a corrected direction, over all directions, degrees: for the same noise, so never 0.
     pub direction_sigma_deg: f64,
     /// Samples in the fit.
     pub samples: usize,
@@ -93,14 +96,15 @@ impl Moments {
         if !(low_ut..=high_ut).contains(&half_axis_ut) {
             return Err(FitError::FieldOutOfRange { field_ut: half_axis_ut, low_ut, high_ut });
         }
+        let read_ut = noise_ut.max(LAST_BIT_UT);
         Ok(EllipsoidFit {
             calibration,
-            covariance: geometry * (noise_ut * noise_ut),
+            covariance: geometry * (read_ut * read_ut),
             iterations: solution.iterations,
             termination: solution.termination,
             residual_rms_ut: noise_ut,
             axis_ratio: roots.axis_ratio,
-            direction_sigma_deg: deg_per_ut * noise_ut,
+            direction_sigma_deg: deg_per_ut * read_ut,
             samples: count,
         })
     }

@@ -82,8 +82,10 @@ impl Figures {
             let enough = self.calibration.filter(|_| self.latest.len() == self.config.n_min);
             self.sigma_t = enough.map(|it| evenness(self.latest.iter().rev(), &it, self.config.normalisation).sigma_t);
             let known = calibration.zip(covariance);
-            self.direction_sigma_deg =
+            let sigma_deg =
                 known.map(|(calibration, covariance)| direction_sigma_deg(&calibration, &covariance).min(180.0));
+            // nothing is exactly known: rounding has left no covariance
+            self.direction_sigma_deg = sigma_deg.filter(|sigma_deg| *sigma_deg > 0.0);
         }
         (answer.sigma_t, answer.direction_sigma_deg) = (self.sigma_t, self.direction_sigma_deg);
     }

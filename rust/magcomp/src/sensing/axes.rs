@@ -18,16 +18,16 @@
 //!
 //! An axis is dead where it has read one value, to the last bit, 50 times on end while both others and gravity changed: noise lets no axis that lives do so.
 //! All three are dead where they repeat one value each through two windows, and gravity moves from one to the next by more than the largest bias turns it.
-//! An accelerometer hangs that repeats a reading, to the last bit, while the gyroscope turns by 0.3 rad: it is asked again with every sample.
+//! An accelerometer that repeats its reading while the gyroscope turns hangs (`hang`): it is asked again with every sample.
 //! (A made up stream without noise may have such an axis, where the device turns about the vertical: gravity stays then.)
 
+use super::hang::{Turned, hangs};
 use super::pairing::Rotation;
 use super::tilt::GRAVITY_M_S2;
 use super::tuning::Tuning;
 use super::turning::{KEPT, LARGEST_BIAS_RAD_S, is_no_chance};
 use crate::math::elementary::ln;
 use crate::math::turn::Turn;
-use crate::priors::HAND_RAD;
 use nalgebra::{Matrix3, Vector3};
 
 /// Choice: readings on end that a living axis does not repeat: 5 was the most in 57 recordings.
@@ -60,8 +60,8 @@ pub(crate) struct Axes {
     rate_rad_s: Vector3<f64>,
     repeats: [u32; 3],
     up_m_s2: Vector3<f64>,
-    /// How far the gyroscope has turned since the accelerometer last read something else, rad.
-    still_rad: f64,
+    /// Since the accelerometer last read something else.
+    turned: Turned,
     /// Seconds since any of them changed, and whether gravity has moved meanwhile.
     frozen_s: f64,
     is_frozen: bool,
@@ -70,7 +70,11 @@ pub(crate) struct Axes {
 impl Axes {
     /// What a sample's sensors read, to the last bit: the rotation since the one before, and how long it took, s; the accelerometer, m/s^2.
     pub fn read(&mut self, rotation: &Rotation, span_s: f64, up_m_s2: &Vector3<f64>) {
-        self.still_rad = if *up_m_s2 == self.up_m_s2 { self.still_rad + rotation.increment_rad.norm() } else { 0.0 };
+        if *up_m_s2 == self.up_m_s2 {
+            self.turned.add(rotation, span_s);
+        } else {
+            self.turned = Turned::default();
+        }
         let has_moved = (up_m_s2 - self.up_m_s2).norm() > MOVED_M_S2;
         self.up_m_s2 = *up_m_s2;
         if rotation.rate_rad_s == self.rate_rad_s {
@@ -150,7 +154,7 @@ impl Axes {
 
     /// Whether the accelerometer hangs: it repeats a reading to the last bit while the gyroscope turns.
     pub fn is_gravity_frozen(&self) -> bool {
-        self.still_rad > HAND_RAD
+        hangs(self.turned.angle_rad())
     }
 
     /// Whether gravity says that axes turn the other way, or are read in degrees. Of axes that were hardly turned about nothing is known.
@@ -328,8 +332,8 @@ mod tests {
         let up = Vector3::new(0.1, 5.0, 8.4);
         for k in 0..200 {
             see(&mut axes, Vector3::new(0.0, 0.5, 0.01 * f64::from(k % 3)), up);
-            // 0.3 rad at 0.5 rad/s: the sixtieth
-            assert!(axes.is_gravity_frozen() == (k > 60) || k == 60, "{k}");
+            // 0.3 rad at 0.5 rad/s less the largest bias: the seventy-fifth
+            assert!(axes.is_gravity_frozen() == (k > 75) || k == 75, "{k}");
         }
         see(&mut axes, Vector3::zeros(), up + Vector3::x() * 1e-9);
         assert!(!axes.is_gravity_frozen());

@@ -148,6 +148,13 @@ impl InertialPairing {
         self.anchor.is_some() || !self.rates.is_empty()
     }
 
+    /// Whether gyroscope or accelerometer speaks at this time.
+    pub fn hears(&self, time_ns: i64) -> bool {
+        let rate = self.rates.last().copied().or(self.anchor);
+        let up = self.ups.last().copied().or(self.last_up);
+        [rate, up].into_iter().flatten().any(|event| !is_silence(seconds(event.time_ns, time_ns)))
+    }
+
     /// How the device turns in `span_s` when the gyroscope reads `rate_rad_s`, rad.
     fn turned(&self, rate_rad_s: &Vector3<f64>, span_s: f64) -> Vector3<f64> {
         (rate_rad_s - rate_rad_s.component_mul(&self.scale.cast()) - self.bias_rad_s.cast()) * span_s
@@ -163,7 +170,7 @@ impl InertialPairing {
     fn advance(&mut self, event: Event) {
         if let Some(anchor) = self.anchor {
             let span_s = seconds(anchor.time_ns, event.time_ns);
-            if span_s > STALE_S {
+            if is_silence(span_s) {
                 // the hole may have been bridged by extrapolation for its first part: forget that debt
                 self.broken = true;
                 self.owed_rad = Vector3::zeros();
@@ -179,7 +186,7 @@ impl InertialPairing {
     fn bridge(&mut self, event: &Event) {
         let Some(last) = self.last_rate.replace(*event) else { return };
         let span_s = seconds(last.time_ns, event.time_ns);
-        if span_s > STALE_S {
+        if is_silence(span_s) {
             (self.slope, self.bend) = (None, None);
             return;
         }
@@ -219,7 +226,7 @@ impl InertialPairing {
         let mut owed_rad = Vector3::zeros();
         let rate_rad_s = match self.rates.first().copied() {
             // one beyond a hole, or stamped far ahead, says nothing of this time
-            Some(next) if anchor.time_ns < time_ns && seconds(anchor.time_ns, next.time_ns) <= STALE_S => {
+            Some(next) if anchor.time_ns < time_ns && !is_silence(seconds(anchor.time_ns, next.time_ns)) => {
                 let share = seconds(anchor.time_ns, time_ns) / seconds(anchor.time_ns, next.time_ns);
                 let rate = anchor.value + (next.value - anchor.value) * share;
                 self.advance(Event { time_ns, value: rate });
@@ -228,7 +235,7 @@ impl InertialPairing {
             _ => {
                 let beyond_s = seconds(anchor.time_ns, time_ns);
                 owed_rad = self.turned(&anchor.value, beyond_s);
-                self.broken |= beyond_s > STALE_S;
+                self.broken |= is_silence(beyond_s);
                 anchor.value
             }
         };
@@ -265,8 +272,8 @@ impl InertialPairing {
         let last = self.last_up?;
         let since_s = seconds(last.time_ns, time_ns);
         match self.ups.first().map(|next| (next.value, seconds(last.time_ns, next.time_ns))) {
-            Some((next, span_s)) if span_s <= STALE_S => Some(last.value + (next - last.value) * (since_s / span_s)),
-            _ => (since_s <= STALE_S).then_some(last.value),
+            Some((next, span_s)) if !is_silence(span_s) => Some(last.value + (next - last.value) * (since_s / span_s)),
+            _ => (!is_silence(since_s)).then_some(last.value),
         }
     }
 }
@@ -300,7 +307,7 @@ fn enter<const N: usize>(
     if events.get(place).is_some_and(|other| other.time_ns == time_ns) {
         return Err(EventRejection::Duplicate);
     }
-    if events.get(place).is_some_and(|later| seconds(time_ns, later.time_ns) > STALE_S) {
+    if events.get(place).is_some_and(|later| is_silence(seconds(time_ns, later.time_ns))) {
         // those that came before it and lie so far behind it were stamped ahead
         events.truncate(place);
     }
@@ -319,6 +326,11 @@ fn then(first: &Vector3<f64>, next: &Vector3<f64>) -> Vector3<f64> {
         return *first;
     }
     rotation_vector(&(quaternion(first) * quaternion(next)))
+}
+
+/// Whether a sensor that says nothing for so long is not there, s.
+fn is_silence(span_s: f64) -> bool {
+    span_s > STALE_S
 }
 
 /// `to - from`, seconds; saturating, so that no pair of times can overflow.

@@ -39,12 +39,19 @@ fn what_is_exceeded_was_no_full_scale() {
     assert!(is_saturated(&rails, Vector3::new(-30.0, 0.0, 20.0)));
 }
 
-/// A last bit of 0.5 uT, of which neighbours read the same: an extreme of a slow turn is no full scale.
+/// A coarse last bit, of which neighbours read the same: an extreme of a slow turn is no full scale, and one that is cut off is.
 #[test]
-fn a_coarse_sensor_has_no_full_scale() {
-    let extreme = turned(6000, 1000.0, 0.5).fold(Vector3::repeat(f64::MIN), |most, field_ut| most.sup(&field_ut));
-    let rails = after(turned(6000, 1000.0, 0.5));
-    assert!(!is_saturated(&rails, extreme));
+fn an_extreme_of_a_coarse_sensor_is_no_full_scale() {
+    for last_bit_ut in [0.5, 1.0, 3.0] {
+        let extreme =
+            turned(6000, 1000.0, last_bit_ut).fold(Vector3::repeat(f64::MIN), |most, field_ut| most.sup(&field_ut));
+        let rails = after(turned(6000, 1000.0, last_bit_ut));
+        assert!(!is_saturated(&rails, extreme), "{last_bit_ut}");
+    }
+    for last_bit_ut in [0.5, 1.0] {
+        let rails = after(turned(6000, 25.0, last_bit_ut));
+        assert!(is_saturated(&rails, Vector3::new(25.0, 0.0, 0.0)), "{last_bit_ut}");
+    }
 }
 
 /// A device that rests after it was turned, with an axis at the largest value that was seen.

@@ -121,6 +121,19 @@ fn samples(one_side: bool, noise_ut: f64) -> Vec<Vector3<f64>> {
     (0..300).map(point).collect()
 }
 
+/// Samples without noise were read to a last bit all the same.
+#[test]
+fn nothing_is_exactly_known() {
+    let fit = fit_ellipsoid(&samples(false, 0.0), &FitOptions::default()).unwrap();
+    let noisy = fit_ellipsoid(&samples(false, 1.0), &FitOptions::default()).unwrap();
+    assert!(fit.residual_rms_ut < 1e-5 && noisy.residual_rms_ut > LAST_BIT_UT);
+    let share = LAST_BIT_UT / noisy.residual_rms_ut;
+    let ratio = fit.direction_sigma_deg / (noisy.direction_sigma_deg * share);
+    assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
+    let expected_deg = direction_sigma_deg(&fit.calibration, &fit.covariance);
+    assert!((fit.direction_sigma_deg / expected_deg - 1.0).abs() < 1e-12);
+}
+
 #[test]
 fn the_limits_of_a_fit_are_its_own_figures() {
     let points = samples(false, 1.0);
