@@ -284,6 +284,6 @@ fn sigma_t_and_the_directions_sigma_are_formed_with_a_gyroscope() {
     assert!((0.05..1.5).contains(&sigma_t), "{sigma_t}");
     assert!((0.01..3.0).contains(&direction_deg), "{direction_deg}");
     let expected = magcomp::direction_sigma_deg(&it.calibration().unwrap(), &it.covariance().unwrap());
-    // formed anew every 25 samples
+    // formed anew once a second
     assert!((0.7..1.4).contains(&(direction_deg / expected)), "{direction_deg} for {expected}");
 }

@@ -221,10 +221,12 @@ fn push(it: &mut Compensator, sample: MagneticSample) {
     let reading = it.push(sample);
     finite(&reading);
     if let (Status::Rejected(why), Some(before)) = (reading.status, &before) {
-        assert_eq!(Some(why), refused);
+        // axes are told by many samples together, of which this is one
+        let is_of_many = matches!(why, magcomp::RejectReason::Axes { .. });
+        assert!(is_of_many || Some(why) == refused, "{why} is told and not {refused:?}");
         // at the sensor's full scale the gyroscope carries on
         let is_carried = matches!(why, magcomp::RejectReason::Saturated { .. });
-        assert!(is_carried || *it == *before, "a sample that was rejected has changed something: {why}");
+        assert!(is_carried || is_of_many || *it == *before, "a sample that was rejected has changed something: {why}");
     } else if let Some(mut before) = before {
         assert!(before.push(sample) == reading && before == *it, "a copy answers otherwise");
     }

@@ -136,7 +136,7 @@ fn in_a_car_headings_from_outside_are_worth_their_sigma() {
     // an error that lasts is not averaged: ten a second are not worth ten
     assert!(often.error_deg > 2.0);
     for it in [seldom, often] {
-        assert!(it.within > 0.9 && it.leads > 0.9, "{} {}", it.within, it.leads);
+        assert!(it.within > 0.85 && it.leads > 0.9, "{} {}", it.within, it.leads);
     }
     if runs(0, 1) > 0 {
         judged("places.car-mount", "none", None); // for the table alone

@@ -235,7 +235,7 @@ impl Compensator {
         reading
     }
 
-    /// Whether [`Self::push`] would use this sample now.
+    /// Whether [`Self::push`] would use this sample now, but for [`RejectReason::Axes`], which many samples tell together.
     ///
     /// # Errors
     /// [`RejectReason`] says why it would not.
