@@ -38,14 +38,15 @@ host() {
     cargo test --locked "${lean[@]}"
 }
 
-# what takes too long for each change: all runs of the statistical tests, the command without the large importers, the wheel as it ships, the
-# libraries of all architectures as phones get them
+# what takes too long for each change: all runs of the statistical tests, the command without the large importers, the wheel as it ships, 100 MB in
+# a browser, the libraries of all architectures as phones get them
 night() {
     . tests/need.sh
     need night "${rust_tools[@]}"
     MAGCOMP_NIGHT=1 MAGCOMP_FUZZ=1000 cargo test --locked "${workspace[@]}" --lib --bins --tests -- --include-ignored
     cargo test --locked "${lean[@]}" --test lean --test import
     MAGCOMP_NIGHT=1 PROFILE=release tests/python.sh
+    MAGCOMP_NIGHT=1 tests/web.sh
     PROFILE=ship tests/mobile.sh all
     PROFILE=ship tests/xcframework.sh all
 }
