@@ -108,11 +108,12 @@ need_cargo() {
 need_std() {
     local libraries
     std=()
-    libraries=$(rustc --print target-libdir --target "$2" 2>/dev/null) || true
-    [ -d "$libraries" ] || rustup --quiet target add "$2" 2>/dev/null || true
-    if [ "${PROFILE:-}" != ship ] && [ -d "$libraries" ]; then
-        need "$1" "${rust_tools[@]}"
-        return
+    if [ "${PROFILE:-}" != ship ] && libraries=$(rustc --print target-libdir --target "$2" 2>/dev/null); then
+        [ -d "$libraries" ] || rustup --quiet target add "$2" 2>/dev/null || true
+        if [ -d "$libraries" ]; then
+            need "$1" "${rust_tools[@]}"
+            return
+        fi
     fi
     need "$1" "${debian_rust[@]}"
     std=(-Zbuild-std=std,panic_abort ${3:+"-Zbuild-std-features=$3"})
