@@ -11,7 +11,8 @@ esac
 need bindings "${rust_tools[@]}" perl:perl-base
 . tests/native.sh
 # --workspace, --example: with the features that the library's build has given to the crates they share
-cargo build --quiet --locked --profile test --workspace --exclude magcomp-python --features magcomp-ffi/test-hooks --bin uniffi-bindgen --example expected
+cargo build --quiet --locked --profile test --workspace --exclude magcomp-python --features magcomp-ffi/test-hooks,magcomp-lab/formats \
+    --bin uniffi-bindgen --example expected
 fresh=$(mktemp -d)
 trap 'rm -rf "$fresh"' EXIT
 # --no-format: the committed files do not depend on which formatters are installed

@@ -2,8 +2,7 @@
 # The native library as target/ios/MagcompFFI.xcframework: static libraries for iOS devices, for simulators and for macOS,
 # these two for Apple silicon and Intel, with headers and module map. On a Mac with Xcode and Rust's targets (rustup target
 # add aarch64-apple-ios aarch64-apple-ios-sim x86_64-apple-ios aarch64-apple-darwin x86_64-apple-darwin); on Debian, without
-# Xcode, with Debian's rustc-web, cargo-web, rust-web-src and llvm, to check the structure: what ships is built on a Mac.
-# PROFILE is cargo's: on a Mac `ship`, elsewhere by default the quicker `audit`.
+# Xcode, with llvm, to check the structure: what ships is built on a Mac. PROFILE is cargo's: on a Mac `ship`, elsewhere by default the quicker `dev`.
 # `--device` leaves out all but the devices' slice, for a check: apps then build for devices alone.
 # With `--release URL` it also packs target/ios/MagcompFFI.xcframework.zip and writes URL and checksum into Package.swift;
 # `--pack URL` does no more than that, with the framework that is there, for one that was checked and signed meanwhile; `--zip` packs
@@ -27,16 +26,12 @@ if [ "$(uname)" != Darwin ]; then
     need xcframework zip:zip
 fi
 if [ "$(uname)" != Darwin ] && [[ "${1:-}" != --zip && "${1:-}" != --pack ]]; then
-    need xcframework "${debian_rust[@]}"
+    # its folder is that of tests/mobile.sh, which uses the same compiler
+    export CARGO_TARGET_DIR=$target/mobile
     need_llvm xcframework llvm-lipo:llvm llvm-objcopy:llvm
     lipo=llvm-lipo$llvm
-    profile=${PROFILE:-audit}
+    profile=${PROFILE:-dev}
     OBJCOPY=${OBJCOPY:-llvm-objcopy$llvm}
-    # Debian's own Rust, which brings the source of std; its folder is that of tests/mobile.sh, which uses the same compiler
-    export PATH=/usr/bin:$PATH RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR=$target/mobile
-    unset RUSTUP_TOOLCHAIN RUSTFLAGS
-    # with what rustup's has: backtraces
-    std=(-Zbuild-std=std,panic_abort -Zbuild-std-features=panic-unwind,backtrace)
 fi
 
 framework=$target/ios/MagcompFFI.xcframework
@@ -47,11 +42,13 @@ rm -f "$framework.zip"
 slice() {
     local folder=$1 rust library libraries=()
     for rust in "${@:2}"; do
+        # with what rustup's has: backtraces
+        [ "$(uname)" = Darwin ] || need_std xcframework "$rust" panic-unwind,backtrace
         # not `cargo build`: the shared library would need Apple's linker
         cargo rustc --quiet --locked --profile "$profile" -p magcomp-ffi --lib --crate-type staticlib ${std[@]+"${std[@]}"} --target "$rust"
         library=$CARGO_TARGET_DIR/$rust/libmagcomp_ffi.a
         # what the standard library keeps for link-time optimisation, which no app links and Apple no longer takes
-        "$OBJCOPY" --remove-section=__LLVM,__bitcode --remove-section=__LLVM,__cmdline "$CARGO_TARGET_DIR/$rust/$profile/libmagcomp_ffi.a" "$library"
+        "$OBJCOPY" --remove-section=__LLVM,__bitcode --remove-section=__LLVM,__cmdline "$CARGO_TARGET_DIR/$rust/${profile/#dev/debug}/libmagcomp_ffi.a" "$library"
         libraries+=("$library")
     done
     # Xcode copies what is in Headers into one folder for all frameworks of an app: ours has a folder of its own in it, or

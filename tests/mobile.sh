@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # The Android libraries without an NDK: builds them, linked against stand-ins of the system's libraries (android/stubs).
-# Prints their sizes and audits what they export and import and how they are aligned. PROFILE=ship builds them as phones get them, which takes
-# longer, and limits their size.
+# Prints their sizes and audits what they export and import and how they are aligned. PROFILE=ship builds them as phones get them, with a standard
+# library of their own, which takes longer, and limits their size.
 # NOT for shipping: their unwinder is a stand-in. iOS: tests/xcframework.sh.
 # `tests/mobile.sh` builds arm64-v8a, which is most phones; `tests/mobile.sh ABI...` others, `tests/mobile.sh all` all four.
 # Result: target/android/<abi>/libmagcomp_ffi.so.
-# Needs Debian's rustc-web, cargo-web, rust-web-src, clang and lld, and installs them as root.
+# Needs clang and lld, and where rustup has no standard library for a target, rustc-web, cargo-web and rust-web-src; installs them as root, on Debian.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 [ "$*" = all ] && set -- arm64-v8a armeabi-v7a x86_64 x86
@@ -17,14 +17,12 @@ for abi in "${wanted[@]}"; do
     esac
 done
 . tests/need.sh
-need mobile "${debian_rust[@]}" clang-19:clang-19 ld.lld-19:lld-19 readelf:binutils nm:binutils ar:binutils
+need mobile clang-19:clang-19 ld.lld-19:lld-19 readelf:binutils nm:binutils ar:binutils
 
 target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
-profile=${PROFILE:-audit}
-# Debian's own Rust, which brings the source of std; a folder of its own, since the compiler differs
-export PATH=/usr/bin:$PATH RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR=$target/mobile
-unset RUSTUP_TOOLCHAIN RUSTFLAGS
-std=(-Zbuild-std=std,panic_abort -Zbuild-std-features=panic-unwind)
+profile=${PROFILE:-dev}
+folder=${profile/#dev/debug}
+export CARGO_TARGET_DIR=$target/mobile
 
 # stubs CLANG_TARGET FOLDER: shared libraries with the names of android/stubs, an unwinder that aborts, __dso_handle
 stubs() {
@@ -33,8 +31,8 @@ stubs() {
     for library in libc libm libdl liblog; do
         {
             cat "android/stubs/$library.txt"
-            # what is linked less thoroughly keeps std's clock, which nothing calls
-            [ "$library $profile" != 'libc audit' ] || echo clock_gettime
+            # rustup's standard library prints backtraces, and what is linked less thoroughly keeps a clock that nothing calls
+            [ "$library $profile" != 'libc dev' ] || printf '%s\n' clock_gettime lseek64 mmap munmap readlink realpath stat
         } | sed 's/.*/void &(void) {}/' |
             "${clang[@]}" -w -fno-builtin -fuse-ld=lld-19 -shared -Wl,-soname,$library.so -o "$2/$library.so" -
     done
@@ -47,6 +45,7 @@ stubs() {
 
 # build ABI RUST_TARGET CLANG_TARGET
 build() {
+    need_std mobile "$2" panic-unwind
     local stubs=$CARGO_TARGET_DIR/stubs/$1 variable
     stubs "$3" "$stubs"
     variable=CARGO_TARGET_$(tr 'a-z-' 'A-Z_' <<<"$2")
@@ -54,8 +53,8 @@ build() {
     export "${variable}_LINKER=clang-19" "${variable}_RUSTFLAGS=-Clink-arg=--target=$3 -Clink-arg=-fuse-ld=lld-19 \
 -Clink-arg=-nostdlib -Clink-arg=-nostartfiles -Clink-arg=$stubs/dso.o -L$stubs -Clink-arg=-Wl,-z,max-page-size=16384 \
 -Clink-arg=-Wl,-soname,libmagcomp_ffi.so -Clink-arg=-Wl,-T,$PWD/android/no-metadata.ld -Clink-arg=-Wl,-z,defs"
-    cargo rustc --quiet --locked --profile "$profile" -p magcomp-ffi --lib --crate-type cdylib "${std[@]}" --target "$2"
-    install -D "$CARGO_TARGET_DIR/$2/$profile/libmagcomp_ffi.so" "$target/android/$1/libmagcomp_ffi.so"
+    cargo rustc --quiet --locked --profile "$profile" -p magcomp-ffi --lib --crate-type cdylib ${std[@]+"${std[@]}"} --target "$2"
+    install -D "$CARGO_TARGET_DIR/$2/$folder/libmagcomp_ffi.so" "$target/android/$1/libmagcomp_ffi.so"
     audit "$1" "$target/android/$1/libmagcomp_ffi.so"
 }
 

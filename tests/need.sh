@@ -16,9 +16,11 @@ java_tools=(jdk:default-jdk-headless mvn:maven)
 # Not the generator of the bindings, 5 lines on a large library: its features would put that library into the one that is tested.
 # test-hooks: the library is the one that the other languages test.
 # Nor the Python module, which only an interpreter links.
-workspace=(--workspace --exclude uniffi-bindgen --exclude magcomp-python --features magcomp-ffi/test-hooks)
+# `lean` is the same without the importers of Parquet, Arrow and bags, whose dependencies are most of all.
+lean=(--workspace --exclude uniffi-bindgen --exclude magcomp-python --features magcomp-ffi/test-hooks)
 # Windows: its files would have the names of the command's
-case "${OSTYPE:-}" in msys*) workspace+=(--exclude magcomp-c) ;; esac
+case "${OSTYPE:-}" in msys*) lean+=(--exclude magcomp-c) ;; esac
+workspace=("${lean[@]}" --features magcomp-lab/formats)
 
 there() { # TOOL
     case "$1" in
@@ -101,17 +103,37 @@ need_cargo() {
     export PATH=$tools/bin:$PATH
 }
 
+# `need_std PART TRIPLE [FEATURES]`: sets `std`, what cargo needs to build for TRIPLE. Nothing where its Rust has the standard library or rustup brings it.
+# Else Debian's Rust builds it from its source, with FEATURES, in a folder beside CARGO_TARGET_DIR; so it does with PROFILE=ship.
+need_std() {
+    local libraries
+    std=()
+    if [ "${PROFILE:-}" != ship ] && libraries=$(rustc --print target-libdir --target "$2" 2>/dev/null); then
+        [ -d "$libraries" ] || rustup --quiet target add "$2" 2>/dev/null || true
+        if [ -d "$libraries" ]; then
+            need "$1" "${rust_tools[@]}"
+            return
+        fi
+    fi
+    need "$1" "${debian_rust[@]}"
+    std=(-Zbuild-std=std,panic_abort ${3:+"-Zbuild-std-features=$3"})
+    export PATH=/usr/bin:$PATH RUSTC_BOOTSTRAP=1 CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-target}
+    CARGO_TARGET_DIR=${CARGO_TARGET_DIR%-debian}-debian
+    unset RUSTUP_TOOLCHAIN RUSTFLAGS
+}
+
 # `need_llvm PART TOOL:PACKAGE...` asks for LLVM's tools, each without its suffix, such as -22, which it sets as `llvm`. Debian has
-# several; one that is older than the LLVM of the compiler can't read what that compiler writes. So: the newest from there on, of
+# several; one that is older than the LLVM of the compilers can't read what these write. So: the newest from there on, of
 # those that are here and those that apt knows. LLVM, where it is set, is the suffix instead.
 need_llvm() {
-    local part=$1 least pair pairs=()
+    local part=$1 least pair pairs=() rustc
     shift
     if [ -n "${LLVM+set}" ]; then
         llvm=$LLVM
     else
-        need "$part" "${debian_rust[@]}"
-        least=$(/usr/bin/rustc -vV | sed -n 's/^LLVM version: \([0-9]*\).*/\1/p')
+        type -P rustc >/dev/null || need "$part" "${debian_rust[@]}"
+        least=$(for rustc in rustc /usr/bin/rustc; do $rustc -vV 2>/dev/null || true; done |
+            sed -n 's/^LLVM version: \([0-9]*\).*/\1/p' | sort -n | tail -n 1)
         llvm=-$({
             echo "$least"
             compgen -c llvm-nm- || true

@@ -13,10 +13,10 @@ cargo build --quiet --locked --profile "$profile" "${workspace[@]}" --bin magcom
 home=$target/python
 rm -rf "$home/wheels"
 python3 -m venv --clear "$home/venv"
-"$home/venv/bin/pip" install --quiet --disable-pip-version-check --requirement python/tests/requirements.txt ${MAGCOMP_NIGHT:+pyspark==4.3.0}
+"$home/venv/bin/pip" install --quiet --no-compile --disable-pip-version-check --requirement python/tests/requirements.txt ${MAGCOMP_NIGHT:+pyspark==4.3.0}
 # the profile `dev` is `test`, which would make a test of it, and no module
 PATH=$home/venv/bin:$PATH maturin build --quiet --locked --profile "${PROFILE:-dev}" --manifest-path python/Cargo.toml --out "$home/wheels"
-"$home/venv/bin/pip" install --quiet --disable-pip-version-check --no-deps "$home"/wheels/magcomp-*.whl
+"$home/venv/bin/pip" install --quiet --no-compile --disable-pip-version-check --no-deps "$home"/wheels/magcomp-*.whl
 # from the folder of the tests: the package must come from the wheel
 cd python/tests
 MAGCOMP_COMMAND=$native/magcomp "$home/venv/bin/python" -P -m pytest -q -p no:cacheprovider "$@"

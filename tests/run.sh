@@ -8,7 +8,7 @@ cd "$(dirname "$0")/.."
 
 # Two lanes run beside each other: what compiles Rust for this machine, and what mostly waits for packages, a virtual machine or one linker.
 # In a lane a part comes after what it needs: Kotlin and the AAR write the same folders.
-lanes=("rust import c python bindings web" "swift kotlin mobile aar xcframework" "host night")
+lanes=("rust c python bindings web" "swift kotlin mobile aar xcframework" "host night")
 
 rust() {
     tests/need-test.sh
@@ -23,39 +23,30 @@ rust() {
     tests/figures.py
     if grep -rnIE --exclude-dir=.git --exclude-dir=target '^(<{7}|>{7}|={7}$)' .; then echo "markers of a merge are left" >&2; exit 1; fi
     cargo fmt --all --check
-    cargo clippy --locked "${workspace[@]}" --all-targets -- -D warnings
+    # with the Python module, which `workspace` leaves out
+    cargo clippy --locked --workspace --exclude uniffi-bindgen --features magcomp-ffi/test-hooks,magcomp-lab/formats --all-targets -- -D warnings
     RUSTDOCFLAGS="-D warnings" cargo doc --locked "${workspace[@]}" --exclude magcomp-c --no-deps --lib --example expected
     cargo test --locked "${workspace[@]}"
     # the core alone, as others take it
     tests/packed.sh
 }
 
-# the importers of Parquet, Arrow and bags, and the Python module, whose dependencies are most of all
-import() {
-    . tests/need.sh
-    need import "${rust_tools[@]}" "${rust_checks[@]}" python3:python3
-    local features=(--features magcomp-lab/formats)
-    # with the Python module, which `workspace` leaves out
-    cargo clippy --locked --workspace --exclude uniffi-bindgen --features magcomp-ffi/test-hooks "${features[@]}" --lib --test import --test files \
-        --test damage -- -D warnings
-    cargo test --locked "${workspace[@]}" "${features[@]}" --test import --test files --test damage
-    cargo test --locked "${workspace[@]}" "${features[@]}" --lib import::
-}
-
-# the Rust tests alone, on any system
+# the Rust tests alone, on any system, as most build it
 host() {
     . tests/need.sh
     need host "${rust_tools[@]}"
-    cargo test --locked "${workspace[@]}"
+    cargo test --locked "${lean[@]}"
 }
 
-# what takes too long for each change: all runs of the statistical tests, the wheel as it ships, the libraries of all
-# architectures as phones get them
+# what takes too long for each change: all runs of the statistical tests, the command without the large importers, the wheel as it ships, 100 MB in
+# a browser, the libraries of all architectures as phones get them
 night() {
     . tests/need.sh
     need night "${rust_tools[@]}"
     MAGCOMP_NIGHT=1 MAGCOMP_FUZZ=1000 cargo test --locked "${workspace[@]}" --lib --bins --tests -- --include-ignored
+    cargo test --locked "${lean[@]}" --test lean --test import
     MAGCOMP_NIGHT=1 PROFILE=release tests/python.sh
+    MAGCOMP_NIGHT=1 tests/web.sh
     PROFILE=ship tests/mobile.sh all
     PROFILE=ship tests/xcframework.sh all
 }
@@ -72,18 +63,17 @@ xcframework() { tests/xcframework.sh; }
 
 # part NAME: in a shell of its own, where the first failure is the end
 part() {
-    local begin=$SECONDS status
-    times >"$work/$1.times" # its second line: of all that this shell has waited for
+    local begin=$SECONDS status times_of=$work/$1.times
     echo "== $1"
     set +e
-    (set -e; "$1")
+    (trap 'times >"$times_of"' EXIT; set -e; "$1")
     status=$?
     set -e
     [ $status -eq 0 ] && status=passed || status=FAILED
     echo "== $1 $status in $((SECONDS - begin)) s"
-    times >>"$work/$1.times"
-    echo "$1 $status $((SECONDS - begin)) $(awk 'NR % 2 == 0 { split($1 $2, t, /[ms]/); all = t[1] * 60 + t[2] + t[3] * 60 + t[4] - all }
-        END { printf "%d", all }' "$work/$1.times")" >>"$work/results"
+    # their second line: all that the part has waited for
+    echo "$1 $status $((SECONDS - begin)) $(awk 'NR == 2 { split($1 $2, t, /[ms]/); printf "%d", t[1] * 60 + t[2] + t[3] * 60 + t[4] }' "$times_of")" \
+        >>"$work/results"
 }
 
 wanted=()

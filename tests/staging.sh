@@ -1,15 +1,12 @@
 #!/usr/bin/env bash
-# Stages the AAR that tests/aar.sh packed and a magcomp-host beside it, signed with a key of its own; checks the folder as Maven Central does
+# Stages the AAR and the magcomp-host that tests/aar.sh packed, signed with a key of its own; checks the folder as Maven Central does
 # (tests/staged.py), and that the check finds what is broken; then builds and runs an app that knows the two by their coordinates alone.
 # tests/aar.sh runs it. The artifacts are structure checks, the host's library a build for tests.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . tests/need.sh
-need staging "${rust_tools[@]}" "${java_tools[@]}" python3:python3 gpg:gnupg unzip:unzip
-. tests/native.sh
+need staging "${java_tools[@]}" python3:python3 gpg:gnupg unzip:unzip
 mvn() { command mvn --batch-mode --no-transfer-progress -Dorg.slf4j.simpleLogger.defaultLogLevel=warn "$@"; }
-rm -rf android/host/target
-mvn --file android/pom.xml package -pl host -am -Dnative.dir="$native" -Dlibrary.test.skip=true -Dlibrary.kdoc.skip=true
 
 work=$(mktemp -d)
 trap 'gpgconf --homedir "$work/gpg" --kill gpg-agent 2>/dev/null || true; rm -rf "$work"' EXIT

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The page: builds it, and opens it from a folder in headless Chromium (web/tests): a real recording, a session, wrong files, 100 MB, cancel,
-# at 1200 and 400 pixels, with the command `magcomp` beside it. `tests/web.sh`, also `tests/run.sh web`. Pictures of it are in target/web-test.
+# The page: builds it, and opens it from a folder in headless Chromium (web/tests): a real recording, a session, wrong files, 20 MB (100 with MAGCOMP_NIGHT=1),
+# cancel, at 1200 and 400 pixels, with the command `magcomp` beside it. `tests/web.sh`, also `tests/run.sh web`. Pictures of it are in target/web-test.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . tests/need.sh

@@ -5,8 +5,8 @@
 # framework in the same app. Links the device's slice as an app would and prints what is left after dead-stripping.
 # `tests/xcframework.sh` builds the device's slice alone, `tests/xcframework.sh all` those of simulators and macOS too,
 # `tests/xcframework.sh built` checks the one that is there, for one that was built on a Mac. LLVM is the suffix of the LLVM
-# tools' names, by default that of Debian's newest. Needs Debian's rustc-web, cargo-web, rust-web-src, llvm, lld and Python 3, and
-# installs them as root. Not for shipping, and not tried in Xcode.
+# tools' names, by default that of Debian's newest. Needs llvm, lld and Python 3, and where rustup has no standard library for a target, rustc-web,
+# cargo-web and rust-web-src; installs them as root, on Debian. Not for shipping, and not tried in Xcode.
 set -euo pipefail
 export LC_ALL=C
 cd "$(dirname "$0")/.."
@@ -74,9 +74,10 @@ while read -r slice platform architecture; do
     for header in bindings/swift/MagcompFFI.h rust/magcomp-ffi/include/magcomp.h; do
         cmp "$header" "$framework/$slice/Headers/MagcompFFI/${header##*/}"
     done
-    # one line for every kind of object
+    # one line for every kind of object; those of rustup's standard library are for older systems, too
     "llvm-objdump$llvm" --macho --arch="$architecture" --private-headers "$library" >"$work/objects"
-    kinds=$(awk '/^Mach header/ { getline; getline; print "arch", $2 } $1 == "platform" || $1 == "minos" { print $1, $2 }' "$work/objects" | sort -u)
+    kinds=$(awk '/^Mach header/ { getline; getline; print "arch", $2 } $1 == "platform" { print $1, $2 }
+        $1 == "minos" && $2 > minos { minos = $2 } END { print "minos", minos }' "$work/objects" | sort -u)
     [ "$kinds" = "$(printf 'arch %s\nminos %s\nplatform %s' "$(tr a-z A-Z <<<"$architecture")" "$least" "$platform")" ] || fail "$slice: objects are $kinds"
     "llvm-nm$llvm" --arch="$architecture" --defined-only --extern-only --format=just-symbols "$library" | sort -u >"$work/defined"
     missing=$(comm -23 "$work/declared" "$work/defined")

@@ -8,18 +8,12 @@ cd "$(dirname "$0")/.."
 page=$(realpath -m "${1:-web/dist/magcomp.html}")
 need web python3:python3
 triple=wasm32-unknown-unknown
-build=(--quiet --locked --release --manifest-path web/Cargo.toml --target $triple)
 CARGO_TARGET_DIR=$(realpath -m "${CARGO_TARGET_DIR:-target}")/web
 export CARGO_TARGET_DIR
-if libraries=$(rustc --print target-libdir --target $triple 2>/dev/null) && { [ -d "$libraries" ] || rustup --quiet target add $triple 2>/dev/null; }; then
-    need web "${rust_tools[@]}"
-    cargo build "${build[@]}"
-else
+need_std web $triple
+if [ ${#std[@]} -gt 0 ]; then
     need_llvm web wasm-ld:lld
-    # a folder of its own, since the compiler differs
-    CARGO_TARGET_DIR+=-debian
-    export PATH=/usr/bin:$PATH RUSTC_BOOTSTRAP=1 CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER=wasm-ld$llvm
-    unset RUSTUP_TOOLCHAIN RUSTFLAGS
-    cargo build "${build[@]}" -Zbuild-std=std,panic_abort
+    export CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_LINKER=wasm-ld$llvm
 fi
+cargo build --quiet --locked --release --manifest-path web/Cargo.toml --target $triple ${std[@]+"${std[@]}"}
 web/assemble.py "$CARGO_TARGET_DIR/$triple/release/magcomp_web.wasm" "$page"
