@@ -1,0 +1,100 @@
+//! Writes the mutants, leaves out those that do not compile, and builds the tests once.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use serde_json::Value;
+
+use crate::find::Found;
+use crate::write::{SWITCH, Written, written};
+
+/// Of tests/host those that judge readings by something other than former readings, and count no allocations.
+const HOST: [&str; 14] = [
+    "aided", "attitude", "contracts", "direct", "event_order", "explain", "facts", "given", "headings", "kept", "laws", "misbehaving", "outside",
+    "relaunch",
+];
+const LAB: [&str; 6] = ["adaptive", "aided", "disturbed", "north", "recordings", "streams"];
+/// Simulated runs, of which only the readings are compared.
+pub const JUDGE: &str = "judge_mutants";
+
+/// A test binary, and which package and target it is.
+pub struct Binary {
+    pub package: String,
+    pub target: String,
+    pub file: PathBuf,
+}
+
+fn cargo(tree: &Path, arguments: &[&str]) -> (bool, Vec<Value>) {
+    let out = Command::new("cargo").args(arguments).arg("--message-format=json").current_dir(tree).stderr(Stdio::inherit()).output().expect("cargo");
+    let lines = String::from_utf8_lossy(&out.stdout).lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
+    (out.status.success(), lines)
+}
+
+pub fn build(tree: &Path, source: &Path, found: &Found) -> (Vec<bool>, Vec<Binary>) {
+    let count = found.mutants.len();
+    std::fs::write(source.join("mutant.rs"), SWITCH.replace("COUNT", &(count + 1).to_string())).expect("written");
+    let root = source.join("lib.rs");
+    let text = std::fs::read_to_string(&root).expect("the root");
+    // the root may be a file with mutants
+    assert!(!found.files.iter().any(|it| it.path == root), "lib.rs has no mutants");
+    if !text.contains("mod mutant;") {
+        std::fs::write(&root, format!("{text}\nmod mutant;\n")).expect("written");
+    }
+    let judge = tree.join("rust/magcomp-lab/tests").join(JUDGE).with_extension("rs");
+    std::fs::copy(tree.join("tests/mutants/rust/judge.rs"), judge).expect("the judge");
+    let mut kept = vec![true; count];
+    loop {
+        let mut all = HashMap::new();
+        for (number, file) in found.files.iter().enumerate() {
+            let out = written(found, &kept, number);
+            std::fs::write(&file.path, &out.text).expect("written");
+            all.insert(format!("rust/magcomp/src/{}", file.name), out);
+        }
+        let (ok, lines) = cargo(tree, &["check", "--quiet", "-p", "magcomp", "--lib"]);
+        if ok {
+            break;
+        }
+        let before = kept.iter().filter(|it| **it).count();
+        for line in lines.iter().filter(|it| it["reason"] == "compiler-message" && it["message"]["level"] == "error") {
+            leave_out(found, &all, &line["message"], &mut kept);
+        }
+        let after = kept.iter().filter(|it| **it).count();
+        eprintln!("{} of {before} do not compile", before - after);
+        if after == before {
+            for line in &lines {
+                eprintln!("{}", line["message"]["rendered"].as_str().unwrap_or(""));
+            }
+            panic!("an error that is no mutant's");
+        }
+    }
+    let mut arguments = vec!["test", "--no-run", "--quiet", "-p", "magcomp", "-p", "magcomp-tests", "-p", "magcomp-lab", "--lib", "--test", JUDGE];
+    for test in HOST.iter().chain(&LAB) {
+        arguments.extend(["--test", test]);
+    }
+    let (ok, lines) = cargo(tree, &arguments);
+    assert!(ok, "the tests do not build");
+    let binaries = lines.iter().filter(|it| it["reason"] == "compiler-artifact" && it["profile"]["test"] == true).filter_map(|it| {
+        let package = Path::new(it["manifest_path"].as_str()?).parent()?.strip_prefix(std::fs::canonicalize(tree).ok()?).ok()?;
+        Some(Binary {
+            package: package.to_str()?.to_owned(),
+            target: it["target"]["name"].as_str()?.to_owned(),
+            file: PathBuf::from(it["executable"].as_str()?),
+        })
+    });
+    (kept, binaries.collect())
+}
+
+/// The mutant whose text an error is in, or all of the innermost site.
+fn leave_out(found: &Found, all: &HashMap<String, Written>, message: &Value, kept: &mut [bool]) {
+    for span in message["spans"].as_array().into_iter().flatten().filter(|it| it["is_primary"] == true) {
+        let Some(file) = span["file_name"].as_str().and_then(|it| all.get(it)) else { continue };
+        let (Some(from), Some(to)) = (span["byte_start"].as_u64(), span["byte_end"].as_u64()) else { continue };
+        let (from, to) = (from as usize, to as usize);
+        if let Some((_, number)) = file.mutants.iter().filter(|(at, _)| at.start <= from && to <= at.end).min_by_key(|(at, _)| at.len()) {
+            kept[*number] = false;
+        } else if let Some((_, site)) = file.sites.iter().filter(|(at, _)| at.start <= from && to <= at.end).min_by_key(|(at, _)| at.len()) {
+            found.sites[*site].mutants.iter().for_each(|it| kept[*it] = false);
+        }
+    }
+}

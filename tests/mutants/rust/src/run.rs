@@ -1,0 +1,283 @@
+//! Asks the tests about each mutant.
+
+use std::collections::{BTreeMap, HashSet};
+use std::fs;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::sync::{Mutex, mpsc};
+use std::time::Instant;
+
+use crate::build::{Binary, JUDGE};
+use crate::find::Found;
+
+/// How many mutants run at once.
+const AT_ONCE: usize = 2;
+/// A test of the lab that takes longer is not asked, s.
+const LONGEST_S: f64 = 40.0;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Stage {
+    Core,
+    Host,
+    Judge,
+    Lab,
+}
+
+struct Test {
+    stage: Stage,
+    binary: usize,
+    name: String,
+    seconds: f64,
+    reaches: HashSet<usize>,
+    /// What a judge's run prints.
+    said: Vec<String>,
+}
+
+/// What became of a mutant, in the order of the table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Fate {
+    Module,
+    Core,
+    Host,
+    Lab,
+    /// No test reaches it, nor a simulated run.
+    Unreached,
+    /// No simulated run reads otherwise.
+    NoReading,
+    /// Some do, in no decimal that counts.
+    Rounding,
+    /// Some do, and no test fails.
+    Readings,
+}
+
+const FATES: [Fate; 8] =
+    [Fate::Module, Fate::Core, Fate::Host, Fate::Lab, Fate::Unreached, Fate::NoReading, Fate::Rounding, Fate::Readings];
+
+struct Asked<'a> {
+    tree: &'a Path,
+    binaries: &'a [Binary],
+    tests: Vec<Test>,
+}
+
+impl Asked<'_> {
+    /// Some tests of one binary. An endless loop ends by its processor time: the clock of a busy machine says nothing.
+    fn process(&self, binary: usize, names: &[&str], most_s: f64, mutant: &str) -> Output {
+        let binary = &self.binaries[binary];
+        let package = self.tree.join(&binary.package);
+        let limit = format!("ulimit -t {}; ulimit -c 0; exec \"$0\" \"$@\"", most_s.ceil() as u64);
+        Command::new("bash")
+            .args(["-c", &limit])
+            .arg(&binary.file)
+            .args(["--exact", "--include-ignored", "--test-threads=1"])
+            .args(if binary.target == JUDGE { &["--nocapture"][..] } else { &[] })
+            .args(names)
+            .current_dir(&package)
+            .env("CARGO_MANIFEST_DIR", &package)
+            .env("MAGCOMP_MUTANT", mutant)
+            .env("PROPTEST_MAX_SHRINK_ITERS", "0")
+            .stdin(Stdio::null())
+            .output()
+            .expect("a test")
+    }
+
+    fn said(out: &Output) -> Vec<String> {
+        String::from_utf8_lossy(&out.stdout).lines().filter_map(|it| Some(it[it.find("judge ")?..].to_owned())).collect()
+    }
+
+    /// What fails of these, in batches, the quick ones first.
+    fn killed_by(&self, number: usize, mut tests: Vec<&Test>) -> Option<String> {
+        tests.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+        let mut most_s = 0.5;
+        while !tests.is_empty() {
+            let (mut batch, mut sum_s): (BTreeMap<usize, Vec<&str>>, f64) = (BTreeMap::new(), 0.0);
+            let mut taken = 0;
+            for test in &tests {
+                if taken > 0 && sum_s + test.seconds > most_s {
+                    break;
+                }
+                sum_s += test.seconds;
+                batch.entry(test.binary).or_default().push(&test.name);
+                taken += 1;
+            }
+            tests.drain(..taken);
+            most_s *= 2.0;
+            for (binary, names) in batch {
+                let out = self.process(binary, &names, 10.0 + 10.0 * sum_s, &(number + 1).to_string());
+                if !out.status.success() {
+                    let text = String::from_utf8_lossy(&out.stdout).into_owned();
+                    let failed = text.lines().find(|it| it.ends_with("FAILED") && it.starts_with("test "));
+                    return Some(failed.map_or_else(|| format!("{} ({})", names[0], out.status), |it| it[5..].replace(" ... FAILED", "")));
+                }
+            }
+        }
+        None
+    }
+
+    fn fate(&self, found: &Found, number: usize) -> (Fate, String) {
+        let reaching: Vec<&Test> = self.tests.iter().filter(|it| it.reaches.contains(&number)).collect();
+        let at = |stage| reaching.iter().copied().filter(move |it| it.stage == stage);
+        let own = own_tests(&found.mutants[number].module);
+        let (module, core): (Vec<_>, Vec<_>) = at(Stage::Core).partition(|it| it.name.starts_with(&own));
+        for (fate, tests) in [(Fate::Module, module), (Fate::Core, core), (Fate::Host, at(Stage::Host).collect())] {
+            if let Some(name) = self.killed_by(number, tests) {
+                return (fate, name);
+            }
+        }
+        if reaching.is_empty() {
+            return (Fate::Unreached, String::new());
+        }
+        let (mut otherwise, mut counts, mut worst) = (0, false, String::new());
+        let (mut runs, mut judges) = (0, at(Stage::Judge).collect::<Vec<_>>());
+        judges.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+        for test in judges {
+            let out = self.process(test.binary, &[&test.name], 10.0 + 10.0 * test.seconds, &(number + 1).to_string());
+            let said = Self::said(&out);
+            runs += test.said.len();
+            if said.len() != test.said.len() {
+                (otherwise, counts, worst) = (otherwise + 1, true, format!("{}: {}", test.name, out.status));
+            }
+            for (before, now) in test.said.iter().zip(&said).filter(|(before, now)| before != now) {
+                otherwise += 1;
+                let field = |line: &str, at| line.split(' ').nth(at).map(str::to_owned);
+                let decimals = if before.contains("csv.gz") { 3 } else { 4 };
+                if field(before, decimals) != field(now, decimals) {
+                    counts = true;
+                    let tail = |line: &str| line.split_once("heading ").map_or(String::new(), |it| it.1.to_owned());
+                    if tail(before) != tail(now) || worst.is_empty() {
+                        worst = format!("{}: {} -> {}", test.name, tail(before), tail(now));
+                    }
+                }
+            }
+        }
+        let said = format!("{otherwise} of {runs} runs; {worst}");
+        if otherwise == 0 {
+            return (Fate::NoReading, format!("{runs} runs"));
+        }
+        if !counts {
+            return (Fate::Rounding, said);
+        }
+        match self.killed_by(number, at(Stage::Lab).filter(|it| it.seconds < LONGEST_S).collect()) {
+            Some(name) => (Fate::Lab, name),
+            None => (Fate::Readings, said),
+        }
+    }
+}
+
+/// Of estimator/aided/watch.rs the tests whose names begin so.
+fn own_tests(module: &str) -> String {
+    let parts: Vec<&str> = module.trim_end_matches(".rs").split('/').collect();
+    let depth = if parts[0] == "estimator" { 2 } else { 1 };
+    format!("{}::", parts[..depth.min(parts.len())].join("::"))
+}
+
+/// The share a mutant is in: the same whatever else is listed, unless its line moves.
+fn is_in(share: &str, name: &str) -> bool {
+    let (k, n) = share.split_once('/').expect("a share like 1/4");
+    let [k, n] = [k, n].map(|it| it.parse::<u64>().expect("a number"));
+    let mut hash = DefaultHasher::new();
+    name.hash(&mut hash);
+    hash.finish() % n == k % n
+}
+
+pub fn run(tree: &Path, found: &Found, kept: &[bool], share: &str, word: &str, binaries: Vec<Binary>) {
+    let tree = fs::canonicalize(tree).expect("the tree");
+    let mut asked = Asked { tree: &tree, binaries: &binaries, tests: Vec::new() };
+    listed(&mut asked);
+    let spent: f64 = asked.tests.iter().map(|it| it.seconds).sum();
+    println!("{} tests, {spent:.0} s", asked.tests.len());
+    let chosen: Vec<usize> = (0..found.mutants.len())
+        .filter(|it| kept[*it] && is_in(share, &found.mutants[*it].name) && found.mutants[*it].name.contains(word))
+        .collect();
+    let next = AtomicUsize::new(0);
+    let fates = Mutex::new(Vec::new());
+    std::thread::scope(|scope| {
+        for _ in 0..AT_ONCE {
+            scope.spawn(|| {
+                while let Some(number) = chosen.get(next.fetch_add(1, Relaxed)) {
+                    let (fate, by) = asked.fate(found, *number);
+                    println!("{fate:?}: {} | {by}", found.mutants[*number].name);
+                    fates.lock().expect("no panic").push((*number, fate));
+                }
+            });
+        }
+    });
+    table(found, &fates.into_inner().expect("no panic"));
+}
+
+/// Every test by itself: how long it takes, and what it reaches.
+fn listed(asked: &mut Asked<'_>) {
+    let mut all = Vec::new();
+    for (binary, it) in asked.binaries.iter().enumerate() {
+        let out = Command::new(&it.file).args(["--list", "--format=terse"]).output().expect("a list");
+        let ignored = Command::new(&it.file).args(["--list", "--format=terse", "--ignored"]).output().expect("a list");
+        let names = |out: &Output| -> HashSet<String> {
+            String::from_utf8_lossy(&out.stdout).lines().filter_map(|it| it.strip_suffix(": test").map(str::to_owned)).collect()
+        };
+        let mut names: Vec<_> = names(&out).difference(&names(&ignored)).cloned().collect();
+        names.sort();
+        let stage = match &*it.package {
+            "rust/magcomp" => Stage::Core,
+            "rust/magcomp-lab" if it.target == JUDGE => Stage::Judge,
+            // its own unit tests say nothing of the core
+            "rust/magcomp-lab" if it.target == "magcomp_lab" => continue,
+            "rust/magcomp-lab" => Stage::Lab,
+            _ => Stage::Host,
+        };
+        all.extend(names.into_iter().map(|name| (stage, binary, name)));
+    }
+    let (sender, tests) = mpsc::channel();
+    let next = AtomicUsize::new(0);
+    let (known, all, next) = (&*asked, &all, &next);
+    std::thread::scope(|scope| {
+        for _ in 0..AT_ONCE {
+            let sender = sender.clone();
+            scope.spawn(move || {
+                loop {
+                    let number = next.fetch_add(1, Relaxed);
+                    let Some((stage, binary, name)) = all.get(number) else { break };
+                    let file: PathBuf = std::env::temp_dir().join(format!("magcomp-mutants-{}-{number}", std::process::id()));
+                    let _ = fs::remove_file(&file);
+                    let begin = Instant::now();
+                    let out = known.process(*binary, &[name], 600.0, &format!("reach:{}", file.display()));
+                    let seconds = begin.elapsed().as_secs_f64();
+                    let text = fs::read_to_string(&file).unwrap_or_default();
+                    let _ = fs::remove_file(&file);
+                    if !out.status.success() {
+                        println!("without a mutant, {name} fails, or runs for too long: not asked");
+                        continue;
+                    }
+                    let reaches = text.lines().filter_map(|it| Some(it.parse::<usize>().ok()? - 1)).collect();
+                    let test = Test { stage: *stage, binary: *binary, name: name.clone(), seconds, reaches, said: Asked::said(&out) };
+                    sender.send(test).expect("received");
+                }
+            });
+        }
+    });
+    drop(sender);
+    asked.tests = tests.into_iter().collect();
+    if std::env::var_os("MAGCOMP_TIMES").is_some() {
+        asked.tests.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
+        for test in asked.tests.iter().take(60) {
+            println!("{:?} {} {:.1} s, reaches {}", test.stage, test.name, test.seconds, test.reaches.len());
+        }
+    }
+}
+
+fn table(found: &Found, fates: &[(usize, Fate)]) {
+    let mut lines: BTreeMap<String, [usize; 8]> = BTreeMap::new();
+    for (number, fate) in fates {
+        let module = &found.mutants[*number].module;
+        let folder = module.rsplit_once('/').map_or("", |it| it.0);
+        for name in [module.clone(), format!("{folder}/ all")] {
+            lines.entry(name).or_default()[FATES.iter().position(|it| it == fate).expect("listed")] += 1;
+        }
+    }
+    println!("\n| file | mutants | module's tests | core's | tests/host | lab | unreached | no reading | rounding | readings, no test |");
+    println!("|---|---|---|---|---|---|---|---|---|---|");
+    for (name, counts) in lines {
+        let counted: Vec<_> = counts.iter().map(|it| it.to_string()).collect();
+        println!("| {name} | {} | {} |", counts.iter().sum::<usize>(), counted.join(" | "));
+    }
+}
