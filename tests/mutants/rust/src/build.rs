@@ -1,12 +1,13 @@
 //! Writes the mutants, leaves out those that do not compile, and builds the tests once.
 
 use std::collections::HashMap;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use serde_json::Value;
 
-use crate::find::Found;
+use crate::find::{Found, Kind};
 use crate::write::{SWITCH, Written, written};
 
 /// Of tests/host those that judge readings by something other than former readings, and count no allocations.
@@ -31,6 +32,12 @@ fn cargo(tree: &Path, arguments: &[&str]) -> (bool, Vec<Value>) {
     (out.status.success(), lines)
 }
 
+fn errors(lines: &[Value]) {
+    for line in lines.iter().filter(|it| it["message"]["level"] == "error") {
+        eprintln!("{}", line["message"]["rendered"].as_str().unwrap_or(""));
+    }
+}
+
 pub fn build(tree: &Path, source: &Path, found: &Found) -> (Vec<bool>, Vec<Binary>) {
     let count = found.mutants.len();
     std::fs::write(source.join("mutant.rs"), SWITCH.replace("COUNT", &(count + 1).to_string())).expect("written");
@@ -39,7 +46,7 @@ pub fn build(tree: &Path, source: &Path, found: &Found) -> (Vec<bool>, Vec<Binar
     // the root may be a file with mutants
     assert!(!found.files.iter().any(|it| it.path == root), "lib.rs has no mutants");
     if !text.contains("mod mutant;") {
-        std::fs::write(&root, format!("{text}\nmod mutant;\n")).expect("written");
+        std::fs::write(&root, format!("#![allow(arithmetic_overflow, unconditional_panic)]\n{text}\nmod mutant;\n")).expect("written");
     }
     let judge = tree.join("rust/magcomp-lab/tests").join(JUDGE).with_extension("rs");
     std::fs::copy(tree.join("tests/mutants/rust/judge.rs"), judge).expect("the judge");
@@ -62,9 +69,7 @@ pub fn build(tree: &Path, source: &Path, found: &Found) -> (Vec<bool>, Vec<Binar
         let after = kept.iter().filter(|it| **it).count();
         eprintln!("{} of {before} do not compile", before - after);
         if after == before {
-            for line in &lines {
-                eprintln!("{}", line["message"]["rendered"].as_str().unwrap_or(""));
-            }
+            errors(&lines);
             panic!("an error that is no mutant's");
         }
     }
@@ -73,7 +78,10 @@ pub fn build(tree: &Path, source: &Path, found: &Found) -> (Vec<bool>, Vec<Binar
         arguments.extend(["--test", test]);
     }
     let (ok, lines) = cargo(tree, &arguments);
-    assert!(ok, "the tests do not build");
+    if !ok {
+        errors(&lines);
+        panic!("the tests do not build");
+    }
     let binaries = lines.iter().filter(|it| it["reason"] == "compiler-artifact" && it["profile"]["test"] == true).filter_map(|it| {
         let package = Path::new(it["manifest_path"].as_str()?).parent()?.strip_prefix(std::fs::canonicalize(tree).ok()?).ok()?;
         Some(Binary {
@@ -85,15 +93,35 @@ pub fn build(tree: &Path, source: &Path, found: &Found) -> (Vec<bool>, Vec<Binar
     (kept, binaries.collect())
 }
 
-/// The mutant whose text an error is in, or all of the innermost site.
+/// The mutant whose text an error is in, or all of the innermost place; else, of a borrow or a variable that is not set, the statements left out
+/// between the parts of the message.
 fn leave_out(found: &Found, all: &HashMap<String, Written>, message: &Value, kept: &mut [bool]) {
-    for span in message["spans"].as_array().into_iter().flatten().filter(|it| it["is_primary"] == true) {
-        let Some(file) = span["file_name"].as_str().and_then(|it| all.get(it)) else { continue };
-        let (Some(from), Some(to)) = (span["byte_start"].as_u64(), span["byte_end"].as_u64()) else { continue };
-        let (from, to) = (from as usize, to as usize);
-        if let Some((_, number)) = file.mutants.iter().filter(|(at, _)| at.start <= from && to <= at.end).min_by_key(|(at, _)| at.len()) {
-            kept[*number] = false;
-        } else if let Some((_, site)) = file.sites.iter().filter(|(at, _)| at.start <= from && to <= at.end).min_by_key(|(at, _)| at.len()) {
+    let spans = || {
+        message["spans"].as_array().into_iter().flatten().filter_map(|it| {
+            let file = all.get(it["file_name"].as_str()?)?;
+            Some((file, it["byte_start"].as_u64()? as usize, it["byte_end"].as_u64()? as usize, it["is_primary"] == true))
+        })
+    };
+    for is_primary in [true, false] {
+        let mut is_found = false;
+        for (file, from, to, _) in spans().filter(|it| it.3 == is_primary) {
+            let holds = |at: &Range<usize>| at.start <= from && to <= at.end;
+            if let Some((_, number)) = file.mutants.iter().filter(|it| holds(&it.0)).min_by_key(|it| it.0.len()) {
+                kept[*number] = false;
+                is_found = true;
+            } else if let Some((_, site)) = file.sites.iter().filter(|it| is_primary && holds(&it.0)).min_by_key(|it| it.0.len()) {
+                found.sites[*site].mutants.iter().for_each(|it| kept[*it] = false);
+                is_found = true;
+            }
+        }
+        if is_found {
+            return;
+        }
+    }
+    let Some((file, ..)) = spans().next() else { return };
+    let (from, to) = spans().fold((usize::MAX, 0), |(from, to), it| (from.min(it.1), to.max(it.2)));
+    for (at, site) in &file.sites {
+        if found.sites[*site].kind == Kind::LeftOut && from <= at.start && at.end <= to {
             found.sites[*site].mutants.iter().for_each(|it| kept[*it] = false);
         }
     }

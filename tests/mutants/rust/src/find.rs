@@ -261,6 +261,19 @@ impl<'ast> Visit<'ast> for Finder<'_> {
         visit::visit_expr_match(self, it);
     }
 
+    fn visit_local(&mut self, it: &'ast syn::Local) {
+        let Some(init) = &it.init else { return };
+        self.visit_expr(&init.expr);
+        if let Some((_, other)) = &init.diverge
+            && let Expr::Block(other) = &**other
+            && let [first @ .., last] = &other.block.stmts[..]
+        {
+            first.iter().for_each(|it| self.visit_stmt(it));
+            // it must leave the function
+            visit::visit_stmt(self, last);
+        }
+    }
+
     fn visit_stmt(&mut self, it: &'ast Stmt) {
         if let Stmt::Expr(inner, Some(_)) = it
             && matches!(
@@ -310,7 +323,7 @@ impl<'ast> Visit<'ast> for Finder<'_> {
             Expr::Path(path)
                 if path.path.segments.last().is_some_and(|it| {
                     let name = it.ident.to_string();
-                    name.len() > 1 && name.chars().all(|it| it.is_ascii_uppercase() || it.is_ascii_digit() || it == '_')
+                    name.len() > 1 && !["MIN", "MAX", "INFINITY"].contains(&&*name) && name.chars().all(|it| it.is_ascii_uppercase() || it.is_ascii_digit() || it == '_')
                 }) =>
             {
                 let text = self.source(it);
