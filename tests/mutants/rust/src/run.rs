@@ -187,9 +187,13 @@ pub fn run(tree: &Path, found: &Found, kept: &[bool], share: &str, word: &str, b
     listed(&mut asked);
     let spent: f64 = asked.tests.iter().map(|it| it.seconds).sum();
     println!("{} tests, {spent:.0} s", asked.tests.len());
-    let chosen: Vec<usize> = (0..found.mutants.len())
-        .filter(|it| kept[*it] && is_in(share, &found.mutants[*it].name) && found.mutants[*it].name.contains(word))
-        .collect();
+    let accepted = fs::read_to_string(tree.join("tests/mutants/rust/accepted.txt")).expect("a file");
+    let is_chosen = |name: &str| {
+        let (file, change) = name.split_once(' ').expect("a place");
+        let without = format!("{}: {change}", file.split(':').next().expect("a file"));
+        is_in(share, name) && name.contains(word) && !accepted.lines().any(|it| it == without)
+    };
+    let chosen: Vec<usize> = (0..found.mutants.len()).filter(|it| kept[*it] && is_chosen(&found.mutants[*it].name)).collect();
     let next = AtomicUsize::new(0);
     let fates = Mutex::new(Vec::new());
     std::thread::scope(|scope| {

@@ -276,3 +276,6 @@ impl Trial {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;
