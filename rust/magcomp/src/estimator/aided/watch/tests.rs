@@ -57,7 +57,8 @@ fn share_misfit_and_residual_are_low_passes_over_gated_samples() {
     let close = |found: f64, expected: f64| (found - expected).abs() < 1e-12 * expected.abs().max(1.0);
     assert!(close(watch.share(), low_passed(0.0, &gated, tuning.memory_s)), "{}", watch.share());
     // the run began with the first two: until a tenth of the share is full, each gated sample begins it anew
-    let begin = gated.iter().enumerate().take_while(|(k, _)| low_passed(0.0, &gated[..*k], tuning.memory_s) < 0.1).count() - 1;
+    let begin =
+        gated.iter().enumerate().take_while(|(k, _)| low_passed(0.0, &gated[..*k], tuning.memory_s) < 0.1).count() - 1;
     assert_eq!(begin, 2);
     assert_eq!(watch.since_ns(), step(2).time_ns);
     let short_s = 0.5 * tuning.quick_s;
