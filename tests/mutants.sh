@@ -62,14 +62,10 @@ of_swift() { # [WORD]
 
 of_rust() { # [SHARE [WORD [PATH...]]]
     need mutants "${rust_tools[@]}" git:git
-    local target copy
+    local target
     target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
-    copy=$target/mutants/rust
-    rm -rf "$copy"
-    mkdir -p "$copy"
-    git ls-files -z | xargs -0 cp --parents -t "$copy"
     cargo build --quiet --release --manifest-path tests/mutants/rust/Cargo.toml --target-dir "$target/mutants/tool"
-    CARGO_TARGET_DIR=$target "$target/mutants/tool/release/magcomp-mutants" "$copy" "${1:-0/8}" "${2-}" "${@:3}"
+    CARGO_TARGET_DIR=$target "$target/mutants/tool/release/magcomp-mutants" "$target/mutants/rust" "${1:-0/8}" "${2-}" "${@:3}"
 }
 
 case "${1-}" in

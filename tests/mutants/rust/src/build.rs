@@ -1,6 +1,7 @@
 //! Writes the mutants, leaves out those that do not compile, and builds the tests once.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -38,33 +39,61 @@ fn errors(lines: &[Value]) {
     }
 }
 
-pub fn build(tree: &Path, source: &Path, found: &Found) -> (Vec<bool>, Vec<Binary>) {
-    let count = found.mutants.len();
-    std::fs::write(source.join("mutant.rs"), SWITCH.replace("COUNT", &(count + 1).to_string())).expect("written");
-    let root = source.join("lib.rs");
-    let text = std::fs::read_to_string(&root).expect("the root");
-    // the root may be a file with mutants
-    assert!(!found.files.iter().any(|it| it.path == root), "lib.rs has no mutants");
-    if !text.contains("mod mutant;") {
-        std::fs::write(&root, format!("#![allow(arithmetic_overflow, unconditional_panic)]\n{text}\nmod mutant;\n")).expect("written");
+/// Writes what differs: the others are not built again.
+fn put(path: &Path, text: &[u8]) {
+    if fs::read(path).is_ok_and(|it| it == text) {
+        return;
     }
-    let judge = tree.join("rust/magcomp-lab/tests").join(JUDGE).with_extension("rs");
-    std::fs::copy(tree.join("tests/mutants/rust/judge.rs"), judge).expect("the judge");
-    let mut kept = vec![true; count];
+    fs::create_dir_all(path.parent().expect("a folder")).expect("made");
+    fs::write(path, text).expect("written");
+}
+
+/// All files but those with mutants.
+fn copy(tree: &Path, source: &Path, found: &Found) {
+    let out = Command::new("git").args(["ls-files", "-z"]).output().expect("git");
+    for name in String::from_utf8(out.stdout).expect("names").split_terminator('\0').map(Path::new) {
+        if name == source.join("lib.rs") {
+            let text = fs::read_to_string(name).expect("the root");
+            put(&tree.join(name), format!("#![allow(arithmetic_overflow, unconditional_panic)]\n{text}\nmod mutant;\n").as_bytes());
+        } else if name == Path::new("rust/magcomp-lab/Cargo.toml") {
+            // its unit tests say nothing of the core
+            let text = fs::read_to_string(name).expect("a manifest");
+            put(&tree.join(name), format!("{text}\n[lib]\ntest = false\n").as_bytes());
+        } else if name.is_file() && !found.files.iter().any(|it| it.path == name) {
+            put(&tree.join(name), &fs::read(name).expect("a file"));
+        }
+    }
+    put(&tree.join(source).join("mutant.rs"), SWITCH.replace("COUNT", &(found.mutants.len() + 1).to_string()).as_bytes());
+    let judge = fs::read("tests/mutants/rust/judge.rs").expect("the judge");
+    put(&tree.join("rust/magcomp-lab/tests").join(JUDGE).with_extension("rs"), &judge);
+}
+
+pub fn build(tree: &Path, source: &Path, found: &Found) -> (Vec<bool>, Vec<Binary>) {
+    assert!(!found.files.iter().any(|it| it.path == source.join("lib.rs")), "lib.rs has no mutants");
+    copy(tree, source, found);
+    // of the last time
+    let list = tree.join("left_out.txt");
+    let known = fs::read_to_string(&list).unwrap_or_default();
+    let known: HashSet<&str> = known.lines().collect();
+    let mut kept: Vec<bool> = found.mutants.iter().map(|it| !known.contains(&*it.name)).collect();
     loop {
         let mut all = HashMap::new();
         for (number, file) in found.files.iter().enumerate() {
             let out = written(found, &kept, number);
-            std::fs::write(&file.path, &out.text).expect("written");
-            all.insert(format!("rust/magcomp/src/{}", file.name), out);
+            put(&tree.join(&file.path), out.text.as_bytes());
+            all.insert(file.path.to_str().expect("a name").to_owned(), out);
         }
         let (ok, lines) = cargo(tree, &["check", "--quiet", "-p", "magcomp", "--lib"]);
+        let before = kept.iter().filter(|it| **it).count();
+        if !ok {
+            for line in lines.iter().filter(|it| it["reason"] == "compiler-message" && it["message"]["level"] == "error") {
+                leave_out(found, &all, &line["message"], &mut kept);
+            }
+        }
+        let names: Vec<&str> = found.mutants.iter().zip(&kept).filter(|it| !it.1).map(|it| &*it.0.name).collect();
+        put(&list, names.join("\n").as_bytes());
         if ok {
             break;
-        }
-        let before = kept.iter().filter(|it| **it).count();
-        for line in lines.iter().filter(|it| it["reason"] == "compiler-message" && it["message"]["level"] == "error") {
-            leave_out(found, &all, &line["message"], &mut kept);
         }
         let after = kept.iter().filter(|it| **it).count();
         eprintln!("{} of {before} do not compile", before - after);

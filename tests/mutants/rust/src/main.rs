@@ -2,7 +2,7 @@
 //! the tests: those of the mutant's own module, all of the core, tests/host, and, where a simulated run (judge.rs) reads otherwise with it, the lab's.
 //! Each mutant is asked only what reaches it.
 //!
-//! `magcomp-mutants TREE SHARE WORD PATH...`: TREE is a copy of the repository, which it changes; SHARE is like 1/4, every fourth on average, by a fixed
+//! `magcomp-mutants TREE SHARE WORD PATH...`, in the repository: TREE is its copy with the mutants, of which only what changed is written; SHARE is like 1/4, every fourth on average, by a fixed
 //! hash; WORD is in the names of the mutants that run; PATH is a file or folder below rust/magcomp/src.
 
 mod build;
@@ -28,14 +28,12 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [tree, share, word, paths @ ..] = &arguments[..] else { panic!("TREE SHARE WORD PATH...") };
     let tree = PathBuf::from(tree);
-    let source = tree.join("rust/magcomp/src");
+    let source = Path::new("rust/magcomp/src");
     let mut names = Vec::new();
     paths.iter().for_each(|path| files(&source.join(path), &mut names));
     let mut all = find::Found::default();
-    for path in names {
-        all.read(&path, path.strip_prefix(&source).expect("a file of the core").to_str().expect("a name"));
-    }
-    let (kept, tests) = build::build(&tree, &source, &all);
+    names.iter().for_each(|path| all.read(path, path.strip_prefix(source).expect("a file of the core").to_str().expect("a name")));
+    let (kept, tests) = build::build(&tree, source, &all);
     println!("{} mutants, of which {} compile", all.mutants.len(), kept.iter().filter(|it| **it).count());
     run::run(&tree, &all, &kept, share, word, tests);
 }

@@ -6,7 +6,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
-use std::sync::{Mutex, mpsc};
+use std::sync::Mutex;
 use std::time::Instant;
 
 use crate::build::{Binary, JUDGE};
@@ -14,7 +14,7 @@ use crate::find::Found;
 
 /// How many mutants run at once.
 const AT_ONCE: usize = 2;
-/// A test of the lab that takes longer is not asked, s.
+/// A test that takes longer is not asked, s of a processor.
 const LONGEST_S: f64 = 40.0;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -158,10 +158,12 @@ impl Asked<'_> {
         if !counts {
             return (Fate::Rounding, said);
         }
-        match self.killed_by(number, at(Stage::Lab).filter(|it| it.seconds < LONGEST_S).collect()) {
-            Some(name) => (Fate::Lab, name),
-            None => (Fate::Readings, said),
-        }
+        (Fate::Readings, said)
+    }
+
+    /// What the lab's tests say.
+    fn of_lab(&self, number: usize) -> Option<String> {
+        self.killed_by(number, self.tests.iter().filter(|it| it.stage == Stage::Lab && it.reaches.contains(&number)).collect())
     }
 }
 
@@ -184,9 +186,7 @@ fn is_in(share: &str, name: &str) -> bool {
 pub fn run(tree: &Path, found: &Found, kept: &[bool], share: &str, word: &str, binaries: Vec<Binary>) {
     let tree = fs::canonicalize(tree).expect("the tree");
     let mut asked = Asked { tree: &tree, binaries: &binaries, tests: Vec::new() };
-    listed(&mut asked);
-    let spent: f64 = asked.tests.iter().map(|it| it.seconds).sum();
-    println!("{} tests, {spent:.0} s", asked.tests.len());
+    listed(&mut asked, &[Stage::Core, Stage::Host, Stage::Judge]);
     let accepted = fs::read_to_string(tree.join("tests/mutants/rust/accepted.txt")).expect("a file");
     let is_chosen = |name: &str| {
         let (file, change) = name.split_once(' ').expect("a place");
@@ -194,24 +194,46 @@ pub fn run(tree: &Path, found: &Found, kept: &[bool], share: &str, word: &str, b
         is_in(share, name) && name.contains(word) && !accepted.lines().any(|it| it == without)
     };
     let chosen: Vec<usize> = (0..found.mutants.len()).filter(|it| kept[*it] && is_chosen(&found.mutants[*it].name)).collect();
-    let next = AtomicUsize::new(0);
-    let fates = Mutex::new(Vec::new());
+    let mut fates: BTreeMap<usize, (Fate, String)> = at_once(&chosen, |number| {
+        let (fate, by) = asked.fate(found, *number);
+        println!("{fate:?}: {} | {by}", found.mutants[*number].name);
+        (*number, (fate, by))
+    })
+    .into_iter()
+    .collect();
+    table(found, &fates);
+    // the slow ones, of what is left
+    let left: Vec<usize> = fates.iter().filter(|it| it.1.0 == Fate::Readings).map(|it| *it.0).collect();
+    if !left.is_empty() {
+        listed(&mut asked, &[Stage::Lab]);
+        for (number, by) in at_once(&left, |number| (*number, asked.of_lab(*number))) {
+            if let Some(by) = by {
+                println!("{:?}: {} | {by}", Fate::Lab, found.mutants[number].name);
+                fates.insert(number, (Fate::Lab, by));
+            }
+        }
+        table(found, &fates);
+    }
+}
+
+/// `what` of each, some at once; in no order.
+fn at_once<T: Sync, R: Send>(all: &[T], what: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let (next, done) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     std::thread::scope(|scope| {
         for _ in 0..AT_ONCE {
             scope.spawn(|| {
-                while let Some(number) = chosen.get(next.fetch_add(1, Relaxed)) {
-                    let (fate, by) = asked.fate(found, *number);
-                    println!("{fate:?}: {} | {by}", found.mutants[*number].name);
-                    fates.lock().expect("no panic").push((*number, fate));
+                while let Some(one) = all.get(next.fetch_add(1, Relaxed)) {
+                    let found = what(one);
+                    done.lock().expect("no panic").push(found);
                 }
             });
         }
     });
-    table(found, &fates.into_inner().expect("no panic"));
+    done.into_inner().expect("no panic")
 }
 
 /// Every test by itself: how long it takes, and what it reaches.
-fn listed(asked: &mut Asked<'_>) {
+fn listed(asked: &mut Asked<'_>, stages: &[Stage]) {
     let mut all = Vec::new();
     for (binary, it) in asked.binaries.iter().enumerate() {
         let out = Command::new(&it.file).args(["--list", "--format=terse"]).output().expect("a list");
@@ -224,54 +246,43 @@ fn listed(asked: &mut Asked<'_>) {
         let stage = match &*it.package {
             "rust/magcomp" => Stage::Core,
             "rust/magcomp-lab" if it.target == JUDGE => Stage::Judge,
-            // its own unit tests say nothing of the core
-            "rust/magcomp-lab" if it.target == "magcomp_lab" => continue,
             "rust/magcomp-lab" => Stage::Lab,
             _ => Stage::Host,
         };
-        all.extend(names.into_iter().map(|name| (stage, binary, name)));
-    }
-    let (sender, tests) = mpsc::channel();
-    let next = AtomicUsize::new(0);
-    let (known, all, next) = (&*asked, &all, &next);
-    std::thread::scope(|scope| {
-        for _ in 0..AT_ONCE {
-            let sender = sender.clone();
-            scope.spawn(move || {
-                loop {
-                    let number = next.fetch_add(1, Relaxed);
-                    let Some((stage, binary, name)) = all.get(number) else { break };
-                    let file: PathBuf = std::env::temp_dir().join(format!("magcomp-mutants-{}-{number}", std::process::id()));
-                    let _ = fs::remove_file(&file);
-                    let begin = Instant::now();
-                    let out = known.process(*binary, &[name], 600.0, &format!("reach:{}", file.display()));
-                    let seconds = begin.elapsed().as_secs_f64();
-                    let text = fs::read_to_string(&file).unwrap_or_default();
-                    let _ = fs::remove_file(&file);
-                    if !out.status.success() {
-                        println!("without a mutant, {name} fails, or runs for too long: not asked");
-                        continue;
-                    }
-                    let reaches = text.lines().filter_map(|it| Some(it.parse::<usize>().ok()? - 1)).collect();
-                    let test = Test { stage: *stage, binary: *binary, name: name.clone(), seconds, reaches, said: Asked::said(&out) };
-                    sender.send(test).expect("received");
-                }
-            });
+        if stages.contains(&stage) {
+            all.extend(names.into_iter().map(|name| (stage, binary, name)));
         }
+    }
+    let known = &*asked;
+    let tests = at_once(&all, |(stage, binary, name)| {
+        let file: PathBuf = std::env::temp_dir().join(format!("magcomp-mutants-{}-{binary}-{}", std::process::id(), name.replace(':', "-")));
+        let begin = Instant::now();
+        let out = known.process(*binary, &[name], LONGEST_S, &format!("reach:{}", file.display()));
+        let seconds = begin.elapsed().as_secs_f64();
+        let text = fs::read_to_string(&file).unwrap_or_default();
+        let _ = fs::remove_file(&file);
+        if !out.status.success() {
+            println!("without a mutant, {name} fails, or runs for too long: not asked");
+            return None;
+        }
+        let reaches = text.lines().filter_map(|it| Some(it.parse::<usize>().ok()? - 1)).collect();
+        Some(Test { stage: *stage, binary: *binary, name: name.clone(), seconds, reaches, said: Asked::said(&out) })
     });
-    drop(sender);
-    asked.tests = tests.into_iter().collect();
+    let before = asked.tests.len();
+    asked.tests.extend(tests.into_iter().flatten());
+    let spent: f64 = asked.tests[before..].iter().map(|it| it.seconds).sum();
+    println!("{} tests, {spent:.0} s", asked.tests.len() - before);
     if std::env::var_os("MAGCOMP_TIMES").is_some() {
-        asked.tests.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
-        for test in asked.tests.iter().take(60) {
+        asked.tests[before..].sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
+        for test in asked.tests[before..].iter().take(40) {
             println!("{:?} {} {:.1} s, reaches {}", test.stage, test.name, test.seconds, test.reaches.len());
         }
     }
 }
 
-fn table(found: &Found, fates: &[(usize, Fate)]) {
+fn table(found: &Found, fates: &BTreeMap<usize, (Fate, String)>) {
     let mut lines: BTreeMap<String, [usize; 8]> = BTreeMap::new();
-    for (number, fate) in fates {
+    for (number, (fate, _)) in fates {
         let module = &found.mutants[*number].module;
         let folder = module.rsplit_once('/').map_or("", |it| it.0);
         for name in [module.clone(), format!("{folder}/ all")] {

@@ -91,7 +91,8 @@ fn a_change_too_small_to_tell_is_taken_and_suspects_nothing_once_known() {
         let found = reviewed(settled(), &bank([hypothesis(Kind::Cold, 1, 0, 0.0, 0.0), new.clone()]));
         assert_eq!((found.id, found.event.is_some()), (2, is_told), "{share}");
         // before it has lasted
-        let mut fresh = Filter { onset_ns: NOW_NS - s(0.5), ..new };
+        let mut fresh = new;
+        fresh.onset_ns = NOW_NS - s(0.5);
         let found = reviewed(settled(), &bank([fresh.clone()]));
         assert_eq!(found.suspected_ns.is_some(), is_told, "{share}");
         fresh.error = 1.0;
