@@ -13,23 +13,49 @@ use crate::write::{SWITCH, Written, written};
 
 /// Of tests/host those that judge readings by something other than former readings, and count no allocations.
 const HOST: [&str; 14] = [
-    "aided", "attitude", "contracts", "direct", "event_order", "explain", "facts", "given", "headings", "kept", "laws", "misbehaving", "outside",
+    "aided",
+    "attitude",
+    "contracts",
+    "direct",
+    "event_order",
+    "explain",
+    "facts",
+    "given",
+    "headings",
+    "kept",
+    "laws",
+    "misbehaving",
+    "outside",
     "relaunch",
 ];
 const LAB: [&str; 6] = ["adaptive", "aided", "disturbed", "north", "recordings", "streams"];
-/// Simulated runs, of which only the readings are compared.
-pub const JUDGE: &str = "judge_mutants";
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    Core,
+    Host,
+    /// Simulated runs, of which only the readings are compared.
+    Judge,
+    Lab,
+}
 
-/// A test binary, and which package and target it is.
+/// A test binary, and the folder of its package.
+#[derive(Clone)]
 pub struct Binary {
-    pub package: String,
-    pub target: String,
+    pub stage: Stage,
+    pub folder: PathBuf,
     pub file: PathBuf,
 }
 
 fn cargo(tree: &Path, arguments: &[&str]) -> (bool, Vec<Value>) {
-    let out = Command::new("cargo").args(arguments).arg("--message-format=json").current_dir(tree).stderr(Stdio::inherit()).output().expect("cargo");
-    let lines = String::from_utf8_lossy(&out.stdout).lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
+    let out = Command::new("cargo")
+        .args(arguments)
+        .arg("--message-format=json")
+        .current_dir(tree)
+        .stderr(Stdio::inherit())
+        .output()
+        .expect("cargo");
+    let lines =
+        String::from_utf8_lossy(&out.stdout).lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
     (out.status.success(), lines)
 }
 
@@ -54,7 +80,10 @@ fn copy(tree: &Path, source: &Path, found: &Found) {
     for name in String::from_utf8(out.stdout).expect("names").split_terminator('\0').map(Path::new) {
         if name == source.join("lib.rs") {
             let text = fs::read_to_string(name).expect("the root");
-            put(&tree.join(name), format!("#![allow(arithmetic_overflow, unconditional_panic)]\n{text}\nmod mutant;\n").as_bytes());
+            put(
+                &tree.join(name),
+                format!("#![allow(arithmetic_overflow, unconditional_panic)]\n{text}\nmod mutant;\n").as_bytes(),
+            );
         } else if name == Path::new("rust/magcomp-lab/Cargo.toml") {
             // its unit tests say nothing of the core
             let text = fs::read_to_string(name).expect("a manifest");
@@ -63,12 +92,16 @@ fn copy(tree: &Path, source: &Path, found: &Found) {
             put(&tree.join(name), &fs::read(name).expect("a file"));
         }
     }
-    put(&tree.join(source).join("mutant.rs"), SWITCH.replace("COUNT", &(found.mutants.len() + 1).to_string()).as_bytes());
+    put(
+        &tree.join(source).join("mutant.rs"),
+        SWITCH.replace("COUNT", &(found.mutants.len() + 1).to_string()).as_bytes(),
+    );
     let judge = fs::read("tests/mutants/rust/judge.rs").expect("the judge");
-    put(&tree.join("rust/magcomp-lab/tests").join(JUDGE).with_extension("rs"), &judge);
+    put(&tree.join("rust/magcomp-lab/tests/judge_mutants.rs"), &judge);
 }
 
-pub fn build(tree: &Path, source: &Path, found: &Found) -> (Vec<bool>, Vec<Binary>) {
+/// Whether each is kept.
+pub fn build(tree: &Path, source: &Path, found: &Found) -> Vec<bool> {
     assert!(!found.files.iter().any(|it| it.path == source.join("lib.rs")), "lib.rs has no mutants");
     copy(tree, source, found);
     // of the last time
@@ -86,7 +119,9 @@ pub fn build(tree: &Path, source: &Path, found: &Found) -> (Vec<bool>, Vec<Binar
         let (ok, lines) = cargo(tree, &["check", "--quiet", "-p", "magcomp", "--lib"]);
         let before = kept.iter().filter(|it| **it).count();
         if !ok {
-            for line in lines.iter().filter(|it| it["reason"] == "compiler-message" && it["message"]["level"] == "error") {
+            for line in
+                lines.iter().filter(|it| it["reason"] == "compiler-message" && it["message"]["level"] == "error")
+            {
                 leave_out(found, &all, &line["message"], &mut kept);
             }
         }
@@ -102,24 +137,39 @@ pub fn build(tree: &Path, source: &Path, found: &Found) -> (Vec<bool>, Vec<Binar
             panic!("an error that is no mutant's");
         }
     }
-    let mut arguments = vec!["test", "--no-run", "--quiet", "-p", "magcomp", "-p", "magcomp-tests", "-p", "magcomp-lab", "--lib", "--test", JUDGE];
-    for test in HOST.iter().chain(&LAB) {
-        arguments.extend(["--test", test]);
+    kept
+}
+
+/// The tests of a stage; all with the features of all, so that no crate is built twice.
+pub fn tests(tree: &Path, stage: Stage) -> Vec<Binary> {
+    let names: &[&str] = match stage {
+        Stage::Core => &[],
+        Stage::Host => &HOST,
+        Stage::Judge => &["judge_mutants"],
+        Stage::Lab => &LAB,
+    };
+    let mut arguments =
+        vec!["test", "--no-run", "--quiet", "-p", "magcomp", "-p", "magcomp-tests", "-p", "magcomp-lab"];
+    if stage == Stage::Core {
+        arguments.push("--lib");
     }
+    names.iter().for_each(|name| arguments.extend(["--test", name]));
     let (ok, lines) = cargo(tree, &arguments);
     if !ok {
         errors(&lines);
         panic!("the tests do not build");
     }
-    let binaries = lines.iter().filter(|it| it["reason"] == "compiler-artifact" && it["profile"]["test"] == true).filter_map(|it| {
-        let package = Path::new(it["manifest_path"].as_str()?).parent()?.strip_prefix(std::fs::canonicalize(tree).ok()?).ok()?;
-        Some(Binary {
-            package: package.to_str()?.to_owned(),
-            target: it["target"]["name"].as_str()?.to_owned(),
-            file: PathBuf::from(it["executable"].as_str()?),
-        })
-    });
-    (kept, binaries.collect())
+    // both packages may have a test of a name
+    let package = match stage {
+        Stage::Core => "rust/magcomp",
+        Stage::Host => "tests",
+        Stage::Judge | Stage::Lab => "rust/magcomp-lab",
+    };
+    let folder = fs::canonicalize(tree).expect("the tree").join(package);
+    let built = lines.iter().filter(|it| it["reason"] == "compiler-artifact" && it["profile"]["test"] == true);
+    let own = built.filter(|it| it["manifest_path"].as_str().is_some_and(|it| Path::new(it).parent() == Some(&folder)));
+    own.filter_map(|it| Some(Binary { stage, folder: folder.clone(), file: PathBuf::from(it["executable"].as_str()?) }))
+        .collect()
 }
 
 /// The mutant whose text an error is in, or all of the innermost place; else, of a borrow or a variable that is not set, the statements left out
@@ -128,7 +178,12 @@ fn leave_out(found: &Found, all: &HashMap<String, Written>, message: &Value, kep
     let spans = || {
         message["spans"].as_array().into_iter().flatten().filter_map(|it| {
             let file = all.get(it["file_name"].as_str()?)?;
-            Some((file, it["byte_start"].as_u64()? as usize, it["byte_end"].as_u64()? as usize, it["is_primary"] == true))
+            Some((
+                file,
+                it["byte_start"].as_u64()? as usize,
+                it["byte_end"].as_u64()? as usize,
+                it["is_primary"] == true,
+            ))
         })
     };
     for is_primary in [true, false] {
@@ -138,7 +193,9 @@ fn leave_out(found: &Found, all: &HashMap<String, Written>, message: &Value, kep
             if let Some((_, number)) = file.mutants.iter().filter(|it| holds(&it.0)).min_by_key(|it| it.0.len()) {
                 kept[*number] = false;
                 is_found = true;
-            } else if let Some((_, site)) = file.sites.iter().filter(|it| is_primary && holds(&it.0)).min_by_key(|it| it.0.len()) {
+            } else if let Some((_, site)) =
+                file.sites.iter().filter(|it| is_primary && holds(&it.0)).min_by_key(|it| it.0.len())
+            {
                 found.sites[*site].mutants.iter().for_each(|it| kept[*it] = false);
                 is_found = true;
             }

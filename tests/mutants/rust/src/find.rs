@@ -65,7 +65,8 @@ struct Finder<'a> {
 
 fn is_for_tests(attributes: &[syn::Attribute]) -> bool {
     attributes.iter().any(|it| {
-        it.path().is_ident("test") || it.path().is_ident("cfg") && it.meta.require_list().is_ok_and(|it| it.tokens.to_string() == "test")
+        it.path().is_ident("test")
+            || it.path().is_ident("cfg") && it.meta.require_list().is_ok_and(|it| it.tokens.to_string() == "test")
     })
 }
 
@@ -278,10 +279,17 @@ impl<'ast> Visit<'ast> for Finder<'_> {
         if let Stmt::Expr(inner, Some(_)) = it
             && matches!(
                 inner,
-                Expr::Call(_) | Expr::MethodCall(_) | Expr::Assign(_) | Expr::Return(_) | Expr::Break(_) | Expr::Continue(_) | Expr::Try(_)
+                Expr::Call(_)
+                    | Expr::MethodCall(_)
+                    | Expr::Assign(_)
+                    | Expr::Return(_)
+                    | Expr::Break(_)
+                    | Expr::Continue(_)
+                    | Expr::Try(_)
             )
         {
-            let text: String = self.source(inner).split_whitespace().collect::<Vec<_>>().join(" ").chars().take(60).collect();
+            let text: String =
+                self.source(inner).split_whitespace().collect::<Vec<_>>().join(" ").chars().take(60).collect();
             self.add(self.range(it.span()), Kind::LeftOut, "left out: ", [(text, String::new())]);
         }
         visit::visit_stmt(self, it);
@@ -296,7 +304,11 @@ impl<'ast> Visit<'ast> for Finder<'_> {
                 let texts: Vec<_> = others(&two.op)
                     .iter()
                     .map(|other| {
-                        let text = if assigns { format!("{left} {other} {right}") } else { format!("({left}) {other} ({right})") };
+                        let text = if assigns {
+                            format!("{left} {other} {right}")
+                        } else {
+                            format!("({left}) {other} ({right})")
+                        };
                         (format!("{op} to {other}"), text)
                     })
                     .collect();
@@ -323,7 +335,9 @@ impl<'ast> Visit<'ast> for Finder<'_> {
             Expr::Path(path)
                 if path.path.segments.last().is_some_and(|it| {
                     let name = it.ident.to_string();
-                    name.len() > 1 && !["MIN", "MAX", "INFINITY"].contains(&&*name) && name.chars().all(|it| it.is_ascii_uppercase() || it.is_ascii_digit() || it == '_')
+                    name.len() > 1
+                        && !["MIN", "MAX", "INFINITY"].contains(&&*name)
+                        && name.chars().all(|it| it.is_ascii_uppercase() || it.is_ascii_digit() || it == '_')
                 }) =>
             {
                 let text = self.source(it);

@@ -14,7 +14,8 @@ use std::path::{Path, PathBuf};
 
 fn files(path: &Path, into: &mut Vec<PathBuf>) {
     if path.is_dir() {
-        let mut inside: Vec<_> = std::fs::read_dir(path).expect("a folder").map(|it| it.expect("an entry").path()).collect();
+        let mut inside: Vec<_> =
+            std::fs::read_dir(path).expect("a folder").map(|it| it.expect("an entry").path()).collect();
         inside.sort();
         inside.iter().for_each(|it| files(it, into));
     } else if path.extension().is_some_and(|it| it == "rs") && !path.components().any(|it| it.as_os_str() == "tests") {
@@ -32,8 +33,10 @@ fn main() {
     let mut names = Vec::new();
     paths.iter().for_each(|path| files(&source.join(path), &mut names));
     let mut all = find::Found::default();
-    names.iter().for_each(|path| all.read(path, path.strip_prefix(source).expect("a file of the core").to_str().expect("a name")));
-    let (kept, tests) = build::build(&tree, source, &all);
+    names.iter().for_each(|path| {
+        all.read(path, path.strip_prefix(source).expect("a file of the core").to_str().expect("a name"))
+    });
+    let kept = build::build(&tree, source, &all);
     println!("{} mutants, of which {} compile", all.mutants.len(), kept.iter().filter(|it| **it).count());
-    run::run(&tree, &all, &kept, share, word, tests);
+    run::run(&tree, &all, &kept, share, word);
 }

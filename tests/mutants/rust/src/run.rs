@@ -5,11 +5,11 @@ use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
-use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::Instant;
 
-use crate::build::{Binary, JUDGE};
+use crate::build::{self, Binary, Stage};
 use crate::find::Found;
 
 /// How many mutants run at once.
@@ -17,16 +17,7 @@ const AT_ONCE: usize = 2;
 /// A test that takes longer is not asked, s of a processor.
 const LONGEST_S: f64 = 40.0;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Stage {
-    Core,
-    Host,
-    Judge,
-    Lab,
-}
-
 struct Test {
-    stage: Stage,
     binary: usize,
     name: String,
     seconds: f64,
@@ -42,6 +33,8 @@ enum Fate {
     Core,
     Host,
     Lab,
+    /// Not known yet.
+    Open,
     /// No test reaches it, nor a simulated run.
     Unreached,
     /// No simulated run reads otherwise.
@@ -52,12 +45,21 @@ enum Fate {
     Readings,
 }
 
-const FATES: [Fate; 8] =
-    [Fate::Module, Fate::Core, Fate::Host, Fate::Lab, Fate::Unreached, Fate::NoReading, Fate::Rounding, Fate::Readings];
+const FATES: [Fate; 9] = [
+    Fate::Module,
+    Fate::Core,
+    Fate::Host,
+    Fate::Lab,
+    Fate::Open,
+    Fate::Unreached,
+    Fate::NoReading,
+    Fate::Rounding,
+    Fate::Readings,
+];
 
 struct Asked<'a> {
     tree: &'a Path,
-    binaries: &'a [Binary],
+    binaries: Vec<Binary>,
     tests: Vec<Test>,
 }
 
@@ -65,16 +67,15 @@ impl Asked<'_> {
     /// Some tests of one binary. An endless loop ends by its processor time: the clock of a busy machine says nothing.
     fn process(&self, binary: usize, names: &[&str], most_s: f64, mutant: &str) -> Output {
         let binary = &self.binaries[binary];
-        let package = self.tree.join(&binary.package);
         let limit = format!("ulimit -t {}; ulimit -c 0; exec \"$0\" \"$@\"", most_s.ceil() as u64);
         Command::new("bash")
             .args(["-c", &limit])
             .arg(&binary.file)
             .args(["--exact", "--include-ignored", "--test-threads=1"])
-            .args(if binary.target == JUDGE { &["--nocapture"][..] } else { &[] })
+            .args(if binary.stage == Stage::Judge { &["--nocapture"][..] } else { &[] })
             .args(names)
-            .current_dir(&package)
-            .env("CARGO_MANIFEST_DIR", &package)
+            .current_dir(&binary.folder)
+            .env("CARGO_MANIFEST_DIR", &binary.folder)
             .env("MAGCOMP_MUTANT", mutant)
             .env("PROPTEST_MAX_SHRINK_ITERS", "0")
             .stdin(Stdio::null())
@@ -83,7 +84,10 @@ impl Asked<'_> {
     }
 
     fn said(out: &Output) -> Vec<String> {
-        String::from_utf8_lossy(&out.stdout).lines().filter_map(|it| Some(it[it.find("judge ")?..].to_owned())).collect()
+        String::from_utf8_lossy(&out.stdout)
+            .lines()
+            .filter_map(|it| Some(it[it.find("judge ")?..].to_owned()))
+            .collect()
     }
 
     /// What fails of these, in batches, the quick ones first.
@@ -108,30 +112,44 @@ impl Asked<'_> {
                 if !out.status.success() {
                     let text = String::from_utf8_lossy(&out.stdout).into_owned();
                     let failed = text.lines().find(|it| it.ends_with("FAILED") && it.starts_with("test "));
-                    return Some(failed.map_or_else(|| format!("{} ({})", names[0], out.status), |it| it[5..].replace(" ... FAILED", "")));
+                    return Some(failed.map_or_else(
+                        || format!("{} ({})", names[0], out.status),
+                        |it| it[5..].replace(" ... FAILED", ""),
+                    ));
                 }
             }
         }
         None
     }
 
-    fn fate(&self, found: &Found, number: usize) -> (Fate, String) {
-        let reaching: Vec<&Test> = self.tests.iter().filter(|it| it.reaches.contains(&number)).collect();
-        let at = |stage| reaching.iter().copied().filter(move |it| it.stage == stage);
+    /// Those of a stage that reach a mutant.
+    fn reaching(&self, stage: Stage, number: usize) -> Vec<&Test> {
+        self.tests.iter().filter(|it| self.binaries[it.binary].stage == stage && it.reaches.contains(&number)).collect()
+    }
+
+    fn of_core(&self, found: &Found, number: usize) -> Option<(Fate, String)> {
         let own = own_tests(&found.mutants[number].module);
-        let (module, core): (Vec<_>, Vec<_>) = at(Stage::Core).partition(|it| it.name.starts_with(&own));
-        for (fate, tests) in [(Fate::Module, module), (Fate::Core, core), (Fate::Host, at(Stage::Host).collect())] {
-            if let Some(name) = self.killed_by(number, tests) {
-                return (fate, name);
-            }
-        }
-        if reaching.is_empty() {
+        let (module, core) = self.reaching(Stage::Core, number).into_iter().partition(|it| it.name.starts_with(&own));
+        let by = |fate, tests| Some((fate, self.killed_by(number, tests)?));
+        by(Fate::Module, module).or_else(|| by(Fate::Core, core))
+    }
+
+    fn of_host(&self, number: usize) -> Option<(Fate, String)> {
+        Some((Fate::Host, self.killed_by(number, self.reaching(Stage::Host, number))?))
+    }
+
+    fn of_lab(&self, number: usize) -> Option<(Fate, String)> {
+        Some((Fate::Lab, self.killed_by(number, self.reaching(Stage::Lab, number))?))
+    }
+
+    /// Whether simulated runs read otherwise.
+    fn of_runs(&self, number: usize) -> (Fate, String) {
+        if self.tests.iter().all(|it| !it.reaches.contains(&number)) {
             return (Fate::Unreached, String::new());
         }
         let (mut otherwise, mut counts, mut worst) = (0, false, String::new());
-        let (mut runs, mut judges) = (0, at(Stage::Judge).collect::<Vec<_>>());
-        judges.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
-        for test in judges {
+        let mut runs = 0;
+        for test in self.reaching(Stage::Judge, number) {
             let out = self.process(test.binary, &[&test.name], 10.0 + 10.0 * test.seconds, &(number + 1).to_string());
             let said = Self::said(&out);
             runs += test.said.len();
@@ -160,11 +178,6 @@ impl Asked<'_> {
         }
         (Fate::Readings, said)
     }
-
-    /// What the lab's tests say.
-    fn of_lab(&self, number: usize) -> Option<String> {
-        self.killed_by(number, self.tests.iter().filter(|it| it.stage == Stage::Lab && it.reaches.contains(&number)).collect())
-    }
 }
 
 /// Of estimator/aided/watch.rs the tests whose names begin so.
@@ -183,36 +196,41 @@ fn is_in(share: &str, name: &str) -> bool {
     hash.finish() % n == k % n
 }
 
-pub fn run(tree: &Path, found: &Found, kept: &[bool], share: &str, word: &str, binaries: Vec<Binary>) {
-    let tree = fs::canonicalize(tree).expect("the tree");
-    let mut asked = Asked { tree: &tree, binaries: &binaries, tests: Vec::new() };
-    listed(&mut asked, &[Stage::Core, Stage::Host, Stage::Judge]);
+pub fn run(tree: &Path, found: &Found, kept: &[bool], share: &str, word: &str) {
+    let mut asked = Asked { tree, binaries: Vec::new(), tests: Vec::new() };
     let accepted = fs::read_to_string(tree.join("tests/mutants/rust/accepted.txt")).expect("a file");
     let is_chosen = |name: &str| {
         let (file, change) = name.split_once(' ').expect("a place");
         let without = format!("{}: {change}", file.split(':').next().expect("a file"));
         is_in(share, name) && name.contains(word) && !accepted.lines().any(|it| it == without)
     };
-    let chosen: Vec<usize> = (0..found.mutants.len()).filter(|it| kept[*it] && is_chosen(&found.mutants[*it].name)).collect();
-    let mut fates: BTreeMap<usize, (Fate, String)> = at_once(&chosen, |number| {
-        let (fate, by) = asked.fate(found, *number);
-        println!("{fate:?}: {} | {by}", found.mutants[*number].name);
-        (*number, (fate, by))
-    })
-    .into_iter()
-    .collect();
-    table(found, &fates);
-    // the slow ones, of what is left
-    let left: Vec<usize> = fates.iter().filter(|it| it.1.0 == Fate::Readings).map(|it| *it.0).collect();
-    if !left.is_empty() {
-        listed(&mut asked, &[Stage::Lab]);
-        for (number, by) in at_once(&left, |number| (*number, asked.of_lab(*number))) {
-            if let Some(by) = by {
-                println!("{:?}: {} | {by}", Fate::Lab, found.mutants[number].name);
-                fates.insert(number, (Fate::Lab, by));
+    let chosen: Vec<usize> =
+        (0..found.mutants.len()).filter(|it| kept[*it] && is_chosen(&found.mutants[*it].name)).collect();
+    let mut fates = BTreeMap::new();
+    let mut left = chosen;
+    for stage in [Stage::Core, Stage::Host, Stage::Judge, Stage::Lab] {
+        listed(&mut asked, stage);
+        for (number, found_out) in at_once(&left, |number| {
+            let found_out = match stage {
+                Stage::Core => asked.of_core(found, *number),
+                Stage::Host => asked.of_host(*number),
+                Stage::Judge => Some(asked.of_runs(*number)),
+                Stage::Lab => asked.of_lab(*number),
+            };
+            if let Some((fate, by)) = &found_out {
+                println!("{fate:?}: {} | {by}", found.mutants[*number].name);
+            }
+            (*number, found_out.map_or(Fate::Open, |it| it.0))
+        }) {
+            if stage != Stage::Lab || found_out != Fate::Open {
+                fates.insert(number, found_out);
             }
         }
+        left = fates.iter().filter(|it| matches!(it.1, Fate::Open | Fate::Readings)).map(|it| *it.0).collect();
         table(found, &fates);
+        if left.is_empty() {
+            break;
+        }
     }
 }
 
@@ -233,29 +251,29 @@ fn at_once<T: Sync, R: Send>(all: &[T], what: impl Fn(&T) -> R + Sync) -> Vec<R>
 }
 
 /// Every test by itself: how long it takes, and what it reaches.
-fn listed(asked: &mut Asked<'_>, stages: &[Stage]) {
+fn listed(asked: &mut Asked<'_>, stage: Stage) {
+    let first = asked.binaries.len();
+    asked.binaries.extend(build::tests(asked.tree, stage));
     let mut all = Vec::new();
-    for (binary, it) in asked.binaries.iter().enumerate() {
-        let out = Command::new(&it.file).args(["--list", "--format=terse"]).output().expect("a list");
-        let ignored = Command::new(&it.file).args(["--list", "--format=terse", "--ignored"]).output().expect("a list");
-        let names = |out: &Output| -> HashSet<String> {
-            String::from_utf8_lossy(&out.stdout).lines().filter_map(|it| it.strip_suffix(": test").map(str::to_owned)).collect()
+    for (binary, it) in asked.binaries.iter().enumerate().skip(first) {
+        let names = |ignored: &[&str]| -> HashSet<String> {
+            let out = Command::new(&it.file).args(["--list", "--format=terse"]).args(ignored).output().expect("a list");
+            String::from_utf8_lossy(&out.stdout)
+                .lines()
+                .filter_map(|it| it.strip_suffix(": test").map(str::to_owned))
+                .collect()
         };
-        let mut names: Vec<_> = names(&out).difference(&names(&ignored)).cloned().collect();
+        let mut names: Vec<_> = names(&[]).difference(&names(&["--ignored"])).cloned().collect();
         names.sort();
-        let stage = match &*it.package {
-            "rust/magcomp" => Stage::Core,
-            "rust/magcomp-lab" if it.target == JUDGE => Stage::Judge,
-            "rust/magcomp-lab" => Stage::Lab,
-            _ => Stage::Host,
-        };
-        if stages.contains(&stage) {
-            all.extend(names.into_iter().map(|name| (stage, binary, name)));
-        }
+        all.extend(names.into_iter().map(|name| (binary, name)));
     }
     let known = &*asked;
-    let tests = at_once(&all, |(stage, binary, name)| {
-        let file: PathBuf = std::env::temp_dir().join(format!("magcomp-mutants-{}-{binary}-{}", std::process::id(), name.replace(':', "-")));
+    let tests = at_once(&all, |(binary, name)| {
+        let file: PathBuf = std::env::temp_dir().join(format!(
+            "magcomp-mutants-{}-{binary}-{}",
+            std::process::id(),
+            name.replace(':', "-")
+        ));
         let begin = Instant::now();
         let out = known.process(*binary, &[name], LONGEST_S, &format!("reach:{}", file.display()));
         let seconds = begin.elapsed().as_secs_f64();
@@ -266,7 +284,7 @@ fn listed(asked: &mut Asked<'_>, stages: &[Stage]) {
             return None;
         }
         let reaches = text.lines().filter_map(|it| Some(it.parse::<usize>().ok()? - 1)).collect();
-        Some(Test { stage: *stage, binary: *binary, name: name.clone(), seconds, reaches, said: Asked::said(&out) })
+        Some(Test { binary: *binary, name: name.clone(), seconds, reaches, said: Asked::said(&out) })
     });
     let before = asked.tests.len();
     asked.tests.extend(tests.into_iter().flatten());
@@ -275,22 +293,24 @@ fn listed(asked: &mut Asked<'_>, stages: &[Stage]) {
     if std::env::var_os("MAGCOMP_TIMES").is_some() {
         asked.tests[before..].sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
         for test in asked.tests[before..].iter().take(40) {
-            println!("{:?} {} {:.1} s, reaches {}", test.stage, test.name, test.seconds, test.reaches.len());
+            println!("{} {:.1} s, reaches {}", test.name, test.seconds, test.reaches.len());
         }
     }
 }
 
-fn table(found: &Found, fates: &BTreeMap<usize, (Fate, String)>) {
-    let mut lines: BTreeMap<String, [usize; 8]> = BTreeMap::new();
-    for (number, (fate, _)) in fates {
+fn table(found: &Found, fates: &BTreeMap<usize, Fate>) {
+    let mut lines: BTreeMap<String, [usize; 9]> = BTreeMap::new();
+    for (number, fate) in fates {
         let module = &found.mutants[*number].module;
         let folder = module.rsplit_once('/').map_or("", |it| it.0);
         for name in [module.clone(), format!("{folder}/ all")] {
             lines.entry(name).or_default()[FATES.iter().position(|it| it == fate).expect("listed")] += 1;
         }
     }
-    println!("\n| file | mutants | module's tests | core's | tests/host | lab | unreached | no reading | rounding | readings, no test |");
-    println!("|---|---|---|---|---|---|---|---|---|---|");
+    println!(
+        "\n| file | mutants | module's tests | core's | tests/host | lab | open | unreached | no reading | rounding | readings, no test |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|---|");
     for (name, counts) in lines {
         let counted: Vec<_> = counts.iter().map(|it| it.to_string()).collect();
         println!("| {name} | {} | {} |", counts.iter().sum::<usize>(), counted.join(" | "));

@@ -52,8 +52,9 @@ pub struct Written {
 }
 
 pub fn written(found: &Found, kept: &[bool], file: usize) -> Written {
-    let mut sites: Vec<usize> =
-        (0..found.sites.len()).filter(|it| found.sites[*it].file == file && found.sites[*it].mutants.iter().any(|it| kept[*it])).collect();
+    let mut sites: Vec<usize> = (0..found.sites.len())
+        .filter(|it| found.sites[*it].file == file && found.sites[*it].mutants.iter().any(|it| kept[*it]))
+        .collect();
     sites.sort_by_key(|it| {
         let at = &found.sites[*it].at;
         (at.start, std::cmp::Reverse(at.end))
@@ -79,7 +80,9 @@ fn put(found: &Found, kept: &[bool], text: &str, at: Range<usize>, mut sites: &[
         for number in numbers {
             let from = out.text.len();
             match site.kind {
-                Kind::Instead => out.text.push_str(&format!("if {} {{ {} }} else ", asked(number), found.mutants[number].text)),
+                Kind::Instead => {
+                    out.text.push_str(&format!("if {} {{ {} }} else ", asked(number), found.mutants[number].text))
+                }
                 Kind::LeftOut => out.text.push_str(&format!("if !{} ", asked(number))),
                 Kind::Between => out.text.push_str(&found.mutants[number].text.replacen("{}", &asked(number), 1)),
             }
