@@ -65,7 +65,7 @@ fn a_change_of_the_device_is_told_when_it_has_lasted_is_shown_and_sure() {
     let old = |log: f64| hypothesis(Kind::Cold, 1, 0, 0.0, log);
     // log odds, how long ago, turn, b: told, suspected
     for (log, ago_s, turn_rad, b_ut, is_told, is_suspected) in [
-        (100f64.ln(), 1.01 * change_s, enough, 9.0, true, false),
+        (100f64.ln(), 1.01 * change_s, enough, 9.0, true, true),
         (98f64.ln(), 1.01 * change_s, enough, 9.0, false, true),
         (100f64.ln(), 0.99 * change_s, enough, 9.0, false, true),
         (100f64.ln(), 1.01 * change_s, too_little, 9.0, false, true),
@@ -123,7 +123,7 @@ fn hypotheses_that_began_while_a_change_took_place_are_one() {
         (Kind::Former, 0.5 * ramp_s, 2),
     ] {
         // it is not shown, so that it is not taken for another reason
-        let other = hypothesis(kind, 3, begun_ns + s(since_s), 9.0, 0.0);
+        let other = turned(hypothesis(kind, 3, begun_ns + s(since_s), 9.0, 0.0), 0.01);
         let found = reviewed(first, &bank([other]));
         assert_eq!(found.id, id, "{kind:?}, {since_s} s");
         assert_eq!(found.event, first.event);
@@ -163,13 +163,13 @@ fn another_place_is_told_once_it_is_off_known_sure_and_has_lasted() {
     let tuning = Tuning::USED;
     let (off, known) = (0.5 * tuning.place, (0.25 * tuning.place).powi(2));
     let at = |level: f64, tilted: f64, variances: [f64; 2], ago_s: f64, log: f64| {
-        let mut it = hypothesis(Kind::Cold, 1, 0, 0.0, log);
+        let mut it = hypothesis(Kind::Device, 1, 0, 0.0, log);
         (it.now.x[10], it.now.x[12]) = (level, tilted);
         (it.now.p[(10, 10)], it.now.p[(12, 12)]) = (variances[0], variances[1]);
         it.now.place_ns = Some(NOW_NS - s(ago_s));
         it
     };
-    let usual = |log: f64| hypothesis(Kind::Cold, 1, 0, 0.0, log);
+    let usual = || hypothesis(Kind::Device, 1, 0, 0.0, 0.0);
     for (level, tilted, variances, ago_s, log, is_elsewhere, is_told) in [
         (1.01 * off, 0.0, [0.99 * known; 2], 3.0, 9.0, true, true),
         (-1.01 * off, 0.0, [0.99 * known; 2], 3.0, 9.0, true, true),
@@ -186,7 +186,7 @@ fn another_place_is_told_once_it_is_off_known_sure_and_has_lasted() {
         (1.01 * off, 0.0, [0.0; 2], 1.001 * tuning.new_place_s, 9.0, false, false),
     ] {
         let since_ns = NOW_NS - s(ago_s);
-        let all = bank([at(level, tilted, variances, ago_s, log), usual(0.0)]);
+        let all = bank([at(level, tilted, variances, ago_s, log), usual()]);
         let found = reviewed(settled(), &all);
         let name = format!("{level}, {tilted}, {variances:?}, {ago_s} s, {log}");
         assert_eq!(found.elsewhere, is_elsewhere.then_some(since_ns), "{name}");
@@ -199,7 +199,7 @@ fn another_place_is_told_once_it_is_off_known_sure_and_has_lasted() {
     }
 }
 
-/// Half as strong again, relative to that, as any field of the Earth, or weaker by as much, whatever the place is said to have.
+/// Stronger than any field of the Earth by more than a tenth of it.
 #[test]
 fn a_field_that_no_place_has_is_elsewhere_since_the_onset() {
     let told = 0.5 * Tuning::USED.place;
@@ -213,7 +213,7 @@ fn a_field_that_no_place_has_is_elsewhere_since_the_onset() {
 }
 
 #[test]
-fn two_frames_that_are_no_noise_are_suspected_now() {
+fn a_frame_that_is_no_noise_is_suspected_now() {
     let mut it = hypothesis(Kind::Device, 1, 0, 0.0, 0.0);
     it.now.odd = 1;
     assert_eq!(reviewed(settled(), &bank([it])).suspected_ns, Some(NOW_NS));

@@ -209,7 +209,7 @@ fn what_a_hypothesis_costs_where_it_is() {
         let (gain, log) = of(&mut moved);
         assert!((gain - cost).abs() < 1e-9 && (log - cost).abs() < 1e-9, "{off}: {gain}");
     }
-    // 45 uT / 0.5 is a third beyond 67; what that is of the strength against the 5 % of soft iron
+    // 90 uT
     let t = 0.5;
     let mean = tau_of(&Matrix3::from_diagonal_element(t), &Vector3::zeros());
     let known = Gaussian { mean, ..known() };
