@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Breaks the sources on purpose, one small patch at a time in a copy, and expects the tests to fail. Run by name before a release; no part of
 # tests/run.sh. `tests/mutants.sh kotlin` applies tests/mutants/kotlin/patches.txt, `tests/mutants.sh swift`
-# tests/mutants/swift/patches.txt; with a WORD (a regular expression) those that have it. `tests/mutants.sh rust [FILE [SHARD]]` lets cargo-mutants
-# break the core: the files that match FILE (default all of math), of those the share SHARD, such as 0/8. See tests/mutants/rust.md.
+# tests/mutants/swift/patches.txt; with a WORD (a regular expression) those that have it. `tests/mutants.sh rust [SHARE [WORD [PATH...]]]` compiles all mutants
+# of the core's files PATH into one library and asks the tests about the share, 0/8 of them by default, that has WORD in its names: tests/mutants/rust.md.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . tests/need.sh
@@ -60,24 +60,16 @@ of_swift() { # [WORD]
         bash -euc 'swift_tool swift test --no-parallel --scratch-path "$target/mutants/build" "$@"' mutants
 }
 
-of_rust() { # [FILE [SHARD]]
-    need mutants "${rust_tools[@]}"
-    cargo mutants --version >/dev/null 2>&1 || { echo "mutants: missing: cargo-mutants; run cargo install --locked cargo-mutants" >&2; exit 1; }
-    local out=${CARGO_TARGET_DIR:-target}/mutants/rust file=${1:-rust/magcomp/src/math/*.rs} share=(--shard "${2:-0/1}" --sharding round-robin)
-    local common=(-p magcomp -j 1 --baseline skip --build-timeout 600) module tests=() missed
-    module=${file#rust/magcomp/src/}
-    module=${module%%/*}
-    mkdir -p "$out"
-    # first the module's own tests, which take seconds; what they miss goes through the core's and those of tests/host that look at it
-    cargo mutants "${common[@]}" "${share[@]}" --timeout 90 -o "$out/own" -f "$file" -- --lib "${module%.rs}" || true
-    missed=$(sed -E 's/^([^ ]*) .*/\1/; s/:$//' "$out/own/mutants.out/missed.txt" | sort -u | paste -sd'|')
-    [ -n "$missed" ] || return 0
-    for module in headings outside misbehaving kept contracts event_order attitude relaunch given; do tests+=(--test "$module"); done
-    cargo mutants "${common[@]}" --timeout 300 -o "$out/all" --test-package magcomp,magcomp-tests -F "^($missed):" -- --lib "${tests[@]}"
+of_rust() { # [SHARE [WORD [PATH...]]]
+    need mutants "${rust_tools[@]}" git:git
+    local target
+    target=$(realpath -m "${CARGO_TARGET_DIR:-target}")
+    cargo build --quiet --release --manifest-path tests/mutants/rust/Cargo.toml --target-dir "$target/mutants/tool"
+    CARGO_TARGET_DIR=$target "$target/mutants/tool/release/magcomp-mutants" "$target/mutants/rust" "${1:-0/8}" "${2-}" "${@:3}"
 }
 
 case "${1-}" in
     # not named as the tools that they call
     kotlin | swift | rust) "of_$1" "${@:2}" ;;
-    *) echo "tests/mutants.sh kotlin|swift [WORD], or rust [FILE [SHARD]]" >&2; exit 2 ;;
+    *) echo "tests/mutants.sh kotlin|swift [WORD], or rust [SHARE [WORD [PATH...]]]" >&2; exit 2 ;;
 esac

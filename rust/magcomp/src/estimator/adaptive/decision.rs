@@ -95,3 +95,6 @@ impl Decision {
         (self.id, self.change, self.told) = (best.id, Some((best.kind, best.onset_ns)), Some(best.now.tau()));
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -285,3 +285,6 @@ impl Adaptation {
         self.walked_s = 0.0;
     }
 }
+
+#[cfg(test)]
+mod tests;

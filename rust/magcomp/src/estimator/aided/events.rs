@@ -277,3 +277,6 @@ impl Trial {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

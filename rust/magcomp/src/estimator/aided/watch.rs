@@ -104,3 +104,6 @@ impl Watch {
         self.share += gain(step.dt_s, time_s) * (f64::from(gated.is_some()) - self.share);
     }
 }
+
+#[cfg(test)]
+mod tests;

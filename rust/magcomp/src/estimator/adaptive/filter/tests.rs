@@ -119,3 +119,101 @@ fn a_hypothesis_whose_b_moves_goes_on_about_where_it_is() {
     // 0.002 in 0.08 s
     assert!((moves.now.rate.mean - Vector3::new(0.025, 0.0, 0.0)).norm() < 0.01, "{}", moves.now.rate.mean);
 }
+
+/// Two are one if they say the same kind of change of the same parent, and their ages are within a factor of two.
+#[test]
+fn onsets_are_kept_on_a_grid_that_doubles_with_their_age() {
+    let at = |begun: u64, id: u32| {
+        let mut it = Filter::new(Kind::Device, State::new(&known(), 0.0, 0.0), known().mean, begun, ONSET_NS);
+        it.id = id;
+        it
+    };
+    let latest = 100;
+    for (ages, is_needless) in
+        [((10, 19), true), ((10, 20), false), ((19, 10), true), ((20, 10), false), ((7, 7), true)]
+    {
+        let (one, other) = (at(latest - ages.0, 1), at(latest - ages.1, 2));
+        assert_eq!(one.makes_needless(&other, latest), is_needless, "{ages:?}");
+    }
+    let one = at(90, 1);
+    let others: [fn(&mut Filter); 5] = [
+        |it| it.kind = Kind::Place,
+        |it| it.size = 1,
+        |it| it.parent = 5,
+        |it| it.moves = true,
+        |it| it.kind = Kind::Cold,
+    ];
+    for change in others {
+        let mut other = at(90, 2);
+        change(&mut other);
+        assert!(!one.makes_needless(&other, latest));
+    }
+    // two cold starts are two
+    let [mut one, mut other] = [at(90, 1), at(90, 2)];
+    (one.kind, other.kind) = (Kind::Cold, Kind::Cold);
+    assert!(!one.makes_needless(&other, latest));
+    // those of one beginning are one in one place
+    for (off, is_twin) in [(0.99 * NEAR, true), (1.01 * NEAR, false)] {
+        let mut other = at(10, 1);
+        other.now.x[8] += off;
+        assert_eq!(at(90, 1).makes_needless(&other, latest), is_twin, "{off}");
+    }
+}
+
+/// Four directions at 30 degrees about z: their mean is cos 30 long.
+#[test]
+fn how_far_directions_turned_is_what_their_mean_lacks() {
+    let mut filter = Filter::new(Kind::Device, State::new(&known(), 0.0, 0.0), known().mean, 0, ONSET_NS);
+    assert_eq!(filter.turned(), 1.0);
+    let (sin, cos) = (30f64.to_radians().sin(), 30f64.to_radians().cos());
+    for (k, (x, y)) in [(sin, 0.0), (-sin, 0.0), (0.0, sin), (0.0, -sin)].into_iter().enumerate() {
+        let u = Vector3::new(0.1, 0.2, -0.3) + Vector3::new(x, y, cos);
+        filter.add(&frame(80_000_000 * k as i64, u), &Tuning::USED, UNIT_UT);
+        assert_eq!(filter.age, 8.0 * (k + 1) as f64);
+    }
+    assert!((filter.turned() - sin * sin).abs() < 1e-12, "{}", filter.turned());
+    for (shown_rad2, is_shown) in [(0.249, true), (0.251, false)] {
+        let tuning = Tuning { shown_rad2, ..Tuning::USED };
+        assert_eq!(filter.is_shown(&tuning), is_shown);
+        let place = Filter { kind: Kind::Place, ..filter.clone() };
+        assert!(place.is_shown(&tuning));
+    }
+}
+
+#[test]
+fn a_point_is_as_likely_beforehand_as_its_distance_and_its_scale_say() {
+    let mut filter = Filter::new(Kind::Cold, State::new(&known(), 0.0, 0.0), known().mean, 0, ONSET_NS);
+    let mut tau = known().mean;
+    (tau[0], tau[3], tau[7]) = (tau[0] + 0.03, tau[3] - 0.01, tau[7] + 0.02);
+    let by_distance = -0.5 * (0.03 * 0.03 + 0.01 * 0.01 + 0.02 * 0.02) / 1e-4;
+    assert!((filter.log_prior(&tau) - by_distance).abs() < 1e-9);
+    filter.scale_sd = Some(0.2);
+    let by_scale = -0.5 * (1.01f64.ln() / 0.2).powi(2);
+    assert!((filter.log_prior(&tau) - by_distance - by_scale).abs() < 1e-9);
+}
+
+/// A mean that is off `lin` by more than two steps costs what it would have to move; and a field that the Earth has nowhere costs too.
+#[test]
+fn what_a_hypothesis_costs_where_it_is() {
+    let mut filter = Filter::new(Kind::Device, State::new(&known(), 0.0, 0.0), known().mean, 0, ONSET_NS);
+    let of = |filter: &mut Filter| {
+        filter.judge(&Tuning::USED, UNIT_UT);
+        (filter.gain, filter.now.log - filter.log_joint())
+    };
+    assert_eq!(of(&mut filter), (0.0, 0.0));
+    for (off, cost) in [(1.99 * NEAR, 0.0), (2.01 * NEAR, 0.5 * (2.01 * NEAR).powi(2) / 1e-4)] {
+        let mut moved = filter.clone();
+        moved.now.x[6] += off;
+        // the last number, the vertical part, is free
+        moved.now.x[9] += 0.5;
+        let (gain, log) = of(&mut moved);
+        assert!((gain - cost).abs() < 1e-9 && (log - cost).abs() < 1e-9, "{off}: {gain}");
+    }
+    // 90 uT
+    let t = 0.5;
+    let mean = tau_of(&Matrix3::from_diagonal_element(t), &Vector3::zeros());
+    let known = Gaussian { mean, ..known() };
+    let mut strong = Filter::new(Kind::Device, State::new(&known, 0.0, 0.0), mean, 0, ONSET_NS);
+    let beyond = 1.0 - crate::strength::EARTH_UT.end / (UNIT_UT / t);
+    assert!((of(&mut strong).0 - 0.5 * (beyond / Tuning::USED.soft_iron).powi(2)).abs() < 1e-9);
+}

@@ -1,0 +1,218 @@
+//! One step of each learner by hand, and its limits from both sides.
+
+use super::*;
+use crate::estimator::aided::propagate::ProcessNoise;
+use crate::estimator::aided::state::{CALIBRATION, Filter, HARD_IRON};
+use nalgebra::Rotation3;
+
+const DT_S: f64 = 0.02;
+const NOTHING: Vector3<f64> = Vector3::new(0.0, 0.0, 0.0);
+
+fn close(found: f64, expected: f64) -> bool {
+    (found - expected).abs() < 1e-12 * expected.abs().max(1.0)
+}
+
+/// A sample of which only interval and local field matter.
+fn step(local_ut: f64) -> Step<'static> {
+    Step {
+        time_ns: 0,
+        raw_ut: &NOTHING,
+        is_blank: false,
+        rate_rad_s: &NOTHING,
+        delayed_rad_s: NOTHING,
+        increment_rad: &NOTHING,
+        turn: Matrix3::identity(),
+        angle_rad: 0.0,
+        dt_s: DT_S,
+        noise: ProcessNoise { bridged_rad2: 0.0, offset_ut: 0.0, local_ut, local_time_s: 1.0 },
+        sigma_ut: 0.5,
+        late_s: 0.0,
+        bias_sd_rad_s: 0.0,
+        resting: false,
+        bias_variance: None,
+        motion: 1.0,
+    }
+}
+
+/// b, and M - I.
+fn parts() -> (Parts, Matrix3<f64>) {
+    let mut filter = Filter::default();
+    let mut all = filter.part(CALIBRATION);
+    all.copy_from_slice(&[100.0, -40.0, 20.0, 0.1, -0.05, 0.02, 0.03, -0.02, 0.01]);
+    filter.set_part(CALIBRATION, &all);
+    assert_eq!(filter.part(HARD_IRON), Vector3::new(100.0, -40.0, 20.0));
+    (filter.parts(), Matrix3::new(1.1, 0.03, -0.02, 0.03, 0.95, 0.01, -0.02, 0.01, 1.02))
+}
+
+/// Two samples of one field, the turn between in two steps with a sample that says nothing: what they differ by beyond that is noise, of two samples and
+/// three axes, and is believed up to nine times what is believed.
+#[test]
+fn noise_is_what_samples_differ_by_beyond_the_turn() {
+    let tuning = Tuning::default();
+    let (x, m) = parts();
+    let field_ut = Vector3::new(20.0, 5.0, -45.0);
+    let [first, second] =
+        [Vector3::new(0.3, -0.2, 0.1), Vector3::new(-0.1, 0.4, 0.2)].map(|it| *Rotation3::new(it).matrix());
+    let at = |turn: Matrix3<f64>| m * turn * field_ut + x.hard_iron;
+    let share = DT_S / tuning.memory_s;
+    let start_ut2 = tuning.noise_start_ut.powi(2);
+    for (off_ut, seen) in
+        [(0.0, 0.0), (1.2, 1.44 / 6.0), (3.67, 3.67 * 3.67 / 6.0), (3.68, 9.0 * start_ut2), (50.0, 9.0 * start_ut2)]
+    {
+        let mut white = White::new(&tuning);
+        white.step(&at(Matrix3::identity()), &x, &Matrix3::identity(), DT_S, tuning.memory_s, &tuning);
+        assert_eq!(white.variance_ut2, start_ut2);
+        white.pass(&first);
+        let raw_ut = at(second * first) + Vector3::new(0.6, 0.0, -0.8) * off_ut;
+        white.step(&raw_ut, &x, &second, DT_S, tuning.memory_s, &tuning);
+        let expected = start_ut2 + share * (seen - start_ut2);
+        assert!(close(white.variance_ut2, expected), "{off_ut}: {} for {expected}", white.variance_ut2);
+        assert_eq!(white.previous, Some((raw_ut, Matrix3::identity())));
+    }
+}
+
+#[test]
+fn noise_is_learned_at_most_at_once_and_never_less_than_the_least() {
+    let tuning = Tuning::default();
+    let (x, _) = parts();
+    let mut white = White::new(&tuning);
+    for _ in 0..2 {
+        white.step(&Vector3::x(), &x, &Matrix3::identity(), 5.0 * tuning.memory_s, tuning.memory_s, &tuning);
+    }
+    assert!(close(white.variance_ut2, 0.04), "{}", white.variance_ut2);
+}
+
+#[test]
+fn samples_and_means_of_frames_are_learned_apart_until_a_sample_stands_alone() {
+    let tuning = Tuning::default();
+    let (x, _) = parts();
+    let known = Known { x, bias_sd_rad_s: 0.0, axes_sd: 0.0 };
+    let mut adaptation = Adaptation::new(&tuning);
+    let one = Matrix3::identity();
+    for k in 0..2 {
+        adaptation.step(&Vector3::repeat(f64::from(k)), &known, &one, DT_S, &tuning);
+        adaptation.step_mean(&step(0.0), &known.x, &one, &tuning);
+    }
+    let start = tuning.noise_start_ut.powi(2);
+    // |(1, 1, 1)|^2 / 6; the means are all zero
+    let sample = start + DT_S / tuning.memory_s * (0.5 - start);
+    let mean = start * (1.0 - DT_S / tuning.settled_s);
+    assert!(close(adaptation.sigma_ut().powi(2), sample) && close(adaptation.mean_sigma_ut().powi(2), mean));
+    adaptation.stand_alone();
+    assert_eq!(adaptation.mean_sigma_ut(), adaptation.sigma_ut());
+    adaptation.forget_previous();
+    assert!(adaptation.sample.previous.is_none() && adaptation.mean.previous.is_none());
+}
+
+/// Two windows of half a second in which b goes the same way: the product of the two, and what P grew by, in three axes and the time.
+#[test]
+fn a_walk_is_what_corrections_of_two_windows_have_in_common() {
+    let tuning = Tuning::default();
+    let dt_s = 0.51 * tuning.walk_s;
+    let window_s = 2.0 * dt_s;
+    let least = tuning.offset_walk_ut.powi(2);
+    for (second_ut, grown_ut2, seen) in [
+        // 0.2 . 0.4 and -> within nine fold of 0.08^2
+        (Vector3::new(0.2, 0.0, 0.0), 0.0, Some(0.08 / (3.0 * window_s))),
+        (Vector3::new(0.2, 0.0, 0.0), 0.02, Some(0.10 / (3.0 * window_s))),
+        (Vector3::new(0.2, 0.0, 0.0), -0.02, Some(0.08 / (3.0 * window_s))),
+        (Vector3::new(2.0, 0.0, 0.0), 0.0, Some(9.0 * least)),
+        // across or back: none, and it is at its least already
+        (Vector3::new(0.0, 5.0, 0.0), 0.0, None),
+        (Vector3::new(-5.0, 0.0, 0.0), 0.0, None),
+    ] {
+        let mut adaptation = Adaptation::new(&tuning);
+        adaptation.restart_walk(NOTHING, 1.0);
+        for half_ut in [Vector3::new(0.1, 0.0, 0.0); 2] {
+            assert_eq!(adaptation.walk_ut(), tuning.offset_walk_ut);
+            adaptation.walk(&half_ut, 1.0, dt_s, &tuning);
+        }
+        assert_eq!(adaptation.walk_ut(), tuning.offset_walk_ut);
+        assert_eq!((adaptation.walked_before_ut, adaptation.walked_s), (Vector3::new(0.2, 0.0, 0.0), 0.0));
+        for half_ut in [second_ut; 2] {
+            adaptation.walk(&half_ut, 1.0 + grown_ut2, dt_s, &tuning);
+        }
+        let expected =
+            seen.map_or(least, |seen| least + window_s / tuning.settled_s * (seen - least)).max(least).sqrt();
+        assert!(close(adaptation.walk_ut(), expected), "{second_ut}: {} for {expected}", adaptation.walk_ut());
+        assert_eq!(adaptation.walk_began_ut2, 1.0 + grown_ut2);
+    }
+}
+
+#[test]
+fn the_walk_stays_within_its_largest() {
+    let tuning = Tuning::default();
+    let mut adaptation = Adaptation::new(&tuning);
+    for _ in 0..400 {
+        adaptation.walk(&Vector3::x(), 0.0, tuning.walk_s, &tuning);
+    }
+    // a microtesla a window: (1 / (3 * 2.5 s))^0.5 a root second
+    assert!((adaptation.walk_ut() - (1.0 / (3.0 * tuning.walk_s)).sqrt()).abs() < 1e-3, "{}", adaptation.walk_ut());
+    for _ in 0..400 {
+        adaptation.walk(&(Vector3::x() * 100.0), 0.0, tuning.walk_s, &tuning);
+    }
+    assert_eq!(adaptation.walk_ut(), tuning.largest_walk_ut);
+}
+
+/// c and f differ by a constant: every low-pass ends there.
+#[test]
+fn a_steady_unevenness_is_seen_in_full() {
+    let tuning = Tuning::default();
+    let mut adaptation = Adaptation::new(&tuning);
+    let off_ut = Vector3::new(2.0, -1.0, 2.0);
+    for _ in 0..4_000 {
+        adaptation.uneven(&off_ut, DT_S, &tuning);
+    }
+    // 3 uT^2 an axis; of what has lasted 1 + 2.5 s / 1 s as much is expected
+    let lasts = 1.0 + tuning.walk_s / tuning.local_time_s;
+    let uneven_ut2 = 3.0 * lasts;
+    assert!((adaptation.uneven_ut2(&tuning) / uneven_ut2 - 1.0).abs() < 1e-9);
+    let unexplained = uneven_ut2 - tuning.local_most_ut.powi(2);
+    assert!((adaptation.floor_ut2(&tuning) - uneven_ut2 - unexplained).abs() < 1e-6);
+    // white noise alone would leave some of it in the quick one
+    let quick = 1.0 - (-DT_S / tuning.quick_s).exp();
+    let white = 0.25 * quick / (2.0 - quick);
+    assert!((adaptation.slow_power_ut2 - (3.0 - white)).abs() < 1e-3, "{}", adaptation.slow_power_ut2);
+    assert_eq!(adaptation.largest_local_ut2(&tuning), tuning.local_most_ut.powi(2));
+    for (noise_ut2, expected) in [(1.0, 2.0), (4.0, 0.0)] {
+        assert!((adaptation.local_ut2(noise_ut2, &tuning) - expected).abs() < 1e-3);
+    }
+    assert!((adaptation.followed_ut2(&tuning) - 2.0 * (uneven_ut2 - tuning.even_ut.powi(2))).abs() < 1e-6);
+    // the densities' ratio, where the filter expects 0.5 uT, and 20
+    let density = |local_ut2: f64| 2.0 * tuning.local_time_s * local_ut2 + 0.25 * DT_S;
+    let expected = density(uneven_ut2) / density(0.25);
+    assert!((adaptation.factor(&step(0.5), &tuning) / expected - 1.0).abs() < 1e-6);
+    assert_eq!(adaptation.factor(&step(20.0), &tuning), 1.0);
+    // what was followed fades by e in five seconds, while nothing is uneven
+    let before = adaptation.followed_ut2;
+    let mut faded = adaptation.clone();
+    (faded.slow_power_ut2, faded.lasting_ut, faded.slow_ut) = (0.0, NOTHING, NOTHING);
+    faded.uneven(&NOTHING, DT_S, &tuning);
+    assert!(close(faded.followed_ut2, before * (-DT_S / tuning.settled_s).exp()));
+}
+
+/// Of the first of all: the mean is plain, and one value counts as nine times what was believed at most.
+#[test]
+fn unevenness_is_a_plain_mean_at_first_and_then_of_five_seconds() {
+    let tuning = Tuning::default();
+    let off_ut = Vector3::new(30.0, 0.0, 0.0);
+    let mut adaptation = Adaptation::new(&tuning);
+    adaptation.uneven(&off_ut, DT_S, &tuning);
+    let before = tuning.even_ut.powi(2);
+    let share = DT_S / (tuning.quick_s + DT_S);
+    assert!(close(adaptation.power_ut2, before + share * (9.0 * before - before)), "{}", adaptation.power_ut2);
+    assert!(close(adaptation.lasting_ut.x, 30.0 * DT_S / tuning.walk_s));
+    assert!(close(adaptation.slow_age_s, tuning.quick_s + DT_S));
+    adaptation.slow_age_s = 100.0;
+    let before = adaptation.power_ut2;
+    adaptation.uneven(&NOTHING, DT_S, &tuning);
+    assert!(close(adaptation.power_ut2, before * (1.0 - DT_S / tuning.settled_s)));
+}
+
+#[test]
+fn an_uneven_place_is_expected_at_once() {
+    let tuning = Tuning::default();
+    let mut adaptation = Adaptation { local_ut: 0.1, ..Adaptation::new(&tuning) };
+    adaptation.expect_uneven(&tuning);
+    assert_eq!(adaptation.local_ut(), tuning.local_most_ut);
+}
