@@ -1,7 +1,7 @@
 //! The full scale of a sensor that nobody has told: an axis that reads its extreme value again and again, to the last bit, while the device turns.
 //!
-//! An axis that is not cut off changes meanwhile: where the others change by d about its extreme, by d^2 / 8 B in the strongest field B. That has to be more than
-//! two of its last bits, the least that it has changed by so far.
+//! An axis that is not cut off changes meanwhile: where the others change by d about its extreme, by d^2 / 8 B in the strongest field B. That has to be more
+//! than two of its last bits, the least that it has changed by so far.
 
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,6 @@
-//! A magnetometer that repeats its reading, to the last bit: it hangs where the device turns meanwhile, by the gyroscope (`sensing/hang.rs`) or by gravity, whose
-//! means over runs of equal samples are compared with the first. Where neither speaks nobody knows: noise changes the last digit of most sensors, so it is a
-//! hang. Another reading ends it.
+//! A magnetometer that repeats its reading, to the last bit: it hangs where the device turns meanwhile, by the gyroscope (`sensing/hang.rs`) or by gravity,
+//! whose means over runs of equal samples are compared with the first. Where neither speaks nobody knows: noise changes the last digit of most sensors, so it
+//! is a hang. Another reading ends it.
 
 use super::tuning::Tuning;
 use crate::sensing::hang::{Turned, hangs};

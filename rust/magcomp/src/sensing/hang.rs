@@ -4,8 +4,8 @@
 //! s <- max(0, s + turn - B dt),   t <- max(0, t - turn - B dt)     for each axis, since the sensor last read something else
 //! the device has turned where one of them is above 0.3 rad         B: the largest bias, which turns a device at rest either way
 //! ```
-//! Trembling goes to and fro and adds up to nothing. In the Earth's weakest field 0.3 rad are 6 uT, more than the last bit of any magnetometer; but a device that
-//! turns slower than B, or about the field's own direction, shows nothing.
+//! Trembling goes to and fro and adds up to nothing. In the Earth's weakest field 0.3 rad are 6 uT, more than the last bit of any magnetometer; but a device
+//! that turns slower than B, or about the field's own direction, shows nothing.
 
 use super::pairing::Rotation;
 use super::turning::LARGEST_BIAS_RAD_S;
