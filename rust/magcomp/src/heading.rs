@@ -119,9 +119,6 @@ choices! {
         lost_ratio: 2.0, "", "115 deg, where an arc comes near half a turn: tests/host/headings.rs";
     }
 }
-
-/// Definition: the back camera looks along -z.
-const CAMERA: Vector3<f64> = Vector3::new(0.0, 0.0, -1.0);
 /// Heading of a reference axis from a corrected field (uT) and `up` (any length), both in the device frame.
 ///
 /// None when the field or the axis is vertical, or anything is not finite or of length zero. `heading_sigma_deg`
@@ -150,12 +147,13 @@ pub(crate) fn of_level(level: &Level, axis: ReferenceAxis, rotation: ScreenRotat
 /// The axis of the device the heading is that of, for a unit `up`.
 fn pointing(up: &Vector3<f64>, axis: ReferenceAxis, rotation: ScreenRotation) -> Vector3<f64> {
     let (right, top) = rotation.axes();
+    let camera = -Vector3::z();
     match axis {
         ReferenceAxis::TopEdge => top,
-        ReferenceAxis::Camera => CAMERA,
+        ReferenceAxis::Camera => camera,
         ReferenceAxis::Auto => {
             let level = up.cross(&right).try_normalize(VERTICAL).unwrap_or_default();
-            level + (CAMERA - level) * camera_share(right.dot(up))
+            level + (camera - level) * camera_share(right.dot(up))
         }
     }
 }
@@ -175,7 +173,7 @@ fn pointing_slope(up: &Vector3<f64>, axis: ReferenceAxis, rotation: ScreenRotati
     let Tuning { rise_begin, rise_end, .. } = Tuning::USED;
     let share_turned =
         if share > 0.0 && share < 1.0 { right.dot(d) * rise.signum() / (rise_end - rise_begin) } else { 0.0 };
-    level_turned * (1.0 - share) + (CAMERA - level) * share_turned
+    level_turned * (1.0 - share) + (-Vector3::z() - level) * share_turned
 }
 
 /// How far the automatic axis follows the camera, 0 to 1, where the right edge rises with this sine.

@@ -5,13 +5,14 @@ use super::answer::{Answer, Counted};
 use super::paper::{WindowedConfig, evenness};
 use crate::calibration::Calibration;
 use crate::ellipsoid::direction_sigma_deg;
+use crate::priors::STEP_S;
 use crate::room::Roomy;
 use crate::sample::MagneticSample;
 use nalgebra::{SMatrix, Vector3};
 use std::collections::VecDeque;
 
-/// Choice: time after which they are formed anew, ns: as often as a display of them can be read.
-const ANEW_NS: u64 = 1_000_000_000;
+/// Time after which they are formed anew, s: a display of them can be read that often.
+const ANEW_S: f64 = 2.0 * STEP_S;
 
 /// A calibration, and its covariance where that is known.
 pub(super) struct InForce {
@@ -69,7 +70,7 @@ impl Figures {
 
     /// Puts the figures into the answer to a sample; now and then `in_force` is asked.
     pub fn finish(&mut self, answer: &mut Answer, sample: &MagneticSample, in_force: impl FnOnce() -> InForce) {
-        let is_due = self.formed_ns.is_none_or(|formed_ns| sample.time_ns.abs_diff(formed_ns) >= ANEW_NS);
+        let is_due = self.formed_ns.is_none_or(|formed_ns| sample.time_ns.abs_diff(formed_ns) as f64 * 1e-9 >= ANEW_S);
         self.samples = self.samples.saturating_add(1);
         if self.latest.len() == self.config.n_min {
             self.latest.pop_front();

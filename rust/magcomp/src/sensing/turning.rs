@@ -76,7 +76,7 @@ impl Default for Turning {
 impl Turning {
     /// The mean of some samples, uT: the turn since that before, rad, and how long they took, s.
     pub fn see(&mut self, field_ut: &Vector3<f64>, turn_rad: &Vector3<f64>, span_s: f64) {
-        let half2 = 0.25 * turn_rad.norm_squared();
+        let half2 = (turn_rad * 0.5).norm_squared();
         let [sine, cosine, _] = turn_factors(half2);
         let turn = turn_rad * (sine / (1.0 - half2 * cosine));
         let last = self.now.fixed_rows::<3>(0).into_owned();
