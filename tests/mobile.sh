@@ -32,7 +32,7 @@ stubs() {
         {
             cat "android/stubs/$library.txt"
             # rustup's standard library prints backtraces, and what is linked less thoroughly keeps a clock that nothing calls
-            [ "$library $profile" != 'libc dev' ] || printf '%s\n' clock_gettime lseek64 mmap munmap readlink realpath stat
+            [ "$library $profile" != 'libc dev' ] || printf '%s\n' clock_gettime dl_iterate_phdr fstat lseek64 mmap munmap readlink realpath stat
         } | sed 's/.*/void &(void) {}/' |
             "${clang[@]}" -w -fno-builtin -fuse-ld=lld-19 -shared -Wl,-soname,$library.so -o "$2/$library.so" -
     done
