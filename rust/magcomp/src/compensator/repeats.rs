@@ -3,6 +3,7 @@
 //! is a hang. Another reading ends it.
 
 use super::tuning::Tuning;
+use crate::math::elementary::atan2;
 use crate::sensing::hang::{Turned, hangs};
 use crate::sensing::pairing::{PairedInertial, Rotation};
 use nalgebra::Vector3;
@@ -49,7 +50,7 @@ impl Repeats {
         self.up_samples += 1;
         if is_run(self.up_samples) {
             let first_up = self.first_up.get_or_insert(self.up_sum);
-            self.has_turned |= hangs(first_up.angle(&self.up_sum));
+            self.has_turned |= hangs(atan2(first_up.cross(&self.up_sum).norm(), first_up.dot(&self.up_sum)));
             (self.up_sum, self.up_samples) = (Vector3::zeros(), 0);
         }
     }
