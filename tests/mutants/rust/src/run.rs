@@ -108,7 +108,7 @@ impl Asked<'_> {
             tests.drain(..taken);
             most_s *= 2.0;
             for (binary, names) in batch {
-                let out = self.process(binary, &names, 10.0 + 10.0 * sum_s, &(number + 1).to_string());
+                let out = self.process(binary, &names, 3.0 + 10.0 * sum_s, &(number + 1).to_string());
                 if !out.status.success() {
                     let text = String::from_utf8_lossy(&out.stdout).into_owned();
                     let failed = text.lines().find(|it| it.ends_with("FAILED") && it.starts_with("test "));
