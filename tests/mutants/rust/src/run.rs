@@ -14,7 +14,7 @@ use crate::find::Found;
 
 /// How many mutants run at once.
 const AT_ONCE: usize = 2;
-/// A test that takes longer is not asked, s of a processor.
+/// A test that takes longer is not asked, s of a processor: `MAGCOMP_LONGEST_S`, or this.
 const LONGEST_S: f64 = 40.0;
 
 struct Test {
@@ -108,7 +108,7 @@ impl Asked<'_> {
             tests.drain(..taken);
             most_s *= 2.0;
             for (binary, names) in batch {
-                let out = self.process(binary, &names, 10.0 + 10.0 * sum_s, &(number + 1).to_string());
+                let out = self.process(binary, &names, 3.0 + 10.0 * sum_s, &(number + 1).to_string());
                 if !out.status.success() {
                     let text = String::from_utf8_lossy(&out.stdout).into_owned();
                     let failed = text.lines().find(|it| it.ends_with("FAILED") && it.starts_with("test "));
@@ -267,6 +267,7 @@ fn listed(asked: &mut Asked<'_>, stage: Stage) {
         names.sort();
         all.extend(names.into_iter().map(|name| (binary, name)));
     }
+    let longest_s = std::env::var("MAGCOMP_LONGEST_S").ok().and_then(|it| it.parse().ok()).unwrap_or(LONGEST_S);
     let known = &*asked;
     let tests = at_once(&all, |(binary, name)| {
         let file: PathBuf = std::env::temp_dir().join(format!(
@@ -275,7 +276,7 @@ fn listed(asked: &mut Asked<'_>, stage: Stage) {
             name.replace(':', "-")
         ));
         let begin = Instant::now();
-        let out = known.process(*binary, &[name], LONGEST_S, &format!("reach:{}", file.display()));
+        let out = known.process(*binary, &[name], longest_s, &format!("reach:{}", file.display()));
         let seconds = begin.elapsed().as_secs_f64();
         let text = fs::read_to_string(&file).unwrap_or_default();
         let _ = fs::remove_file(&file);
