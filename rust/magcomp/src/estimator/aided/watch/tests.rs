@@ -31,7 +31,7 @@ fn step(k: i64) -> Step<'static> {
 
 /// Of values, oldest first, that a low-pass of `time_s` has taken after `first`.
 fn low_passed(first: f64, values: &[f64], time_s: f64) -> f64 {
-    let keep = (-DT_S / time_s).exp();
+    let keep = 1.0 - DT_S / time_s;
     let n = values.len() as i32;
     let sum: f64 = values.iter().zip(1..).map(|(value, k)| (1.0 - keep) * keep.powi(n - k) * value).sum();
     first * keep.powi(n) + sum
