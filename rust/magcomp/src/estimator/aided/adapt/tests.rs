@@ -14,24 +14,8 @@ fn close(found: f64, expected: f64) -> bool {
 
 /// A sample of which only interval and local field matter.
 fn step(local_ut: f64) -> Step<'static> {
-    Step {
-        time_ns: 0,
-        raw_ut: &NOTHING,
-        is_blank: false,
-        rate_rad_s: &NOTHING,
-        delayed_rad_s: NOTHING,
-        increment_rad: &NOTHING,
-        turn: Matrix3::identity(),
-        angle_rad: 0.0,
-        dt_s: DT_S,
-        noise: ProcessNoise { bridged_rad2: 0.0, offset_ut: 0.0, local_ut, local_time_s: 1.0 },
-        sigma_ut: 0.5,
-        late_s: 0.0,
-        bias_sd_rad_s: 0.0,
-        resting: false,
-        bias_variance: None,
-        motion: 1.0,
-    }
+    let it = Step::of_nothing(DT_S);
+    Step { noise: ProcessNoise { local_ut, ..it.noise }, ..it }
 }
 
 /// b, and M - I.

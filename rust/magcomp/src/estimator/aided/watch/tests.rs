@@ -1,32 +1,13 @@
 //! The low-passes against their sums, and the limits from both sides.
 
 use super::*;
-use crate::estimator::aided::propagate::ProcessNoise;
 use nalgebra::Matrix3;
 
 const DT_S: f64 = 0.02;
-const NOTHING: Vector3<f64> = Vector3::new(0.0, 0.0, 0.0);
 
 /// A sample `k` intervals after the first; what a watch does not look at is zero.
 fn step(k: i64) -> Step<'static> {
-    Step {
-        time_ns: 1_000_000_000 + 20_000_000 * k,
-        raw_ut: &NOTHING,
-        is_blank: false,
-        rate_rad_s: &NOTHING,
-        delayed_rad_s: NOTHING,
-        increment_rad: &NOTHING,
-        turn: Matrix3::identity(),
-        angle_rad: 0.0,
-        dt_s: DT_S,
-        noise: ProcessNoise { bridged_rad2: 0.0, offset_ut: 0.0, local_ut: 0.0, local_time_s: 1.0 },
-        sigma_ut: 0.5,
-        late_s: 0.0,
-        bias_sd_rad_s: 0.0,
-        resting: false,
-        bias_variance: None,
-        motion: 1.0,
-    }
+    Step { time_ns: 1_000_000_000 + 20_000_000 * k, ..Step::of_nothing(DT_S) }
 }
 
 /// Of values, oldest first, that a low-pass of `time_s` has taken after `first`.
