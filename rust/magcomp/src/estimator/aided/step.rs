@@ -75,32 +75,6 @@ impl<'a> Step<'a> {
     }
 }
 
-#[cfg(test)]
-impl Step<'static> {
-    /// A sample after `dt_s` of which all else is zero.
-    pub(crate) fn of_nothing(dt_s: f64) -> Self {
-        const NOTHING: Vector3<f64> = Vector3::new(0.0, 0.0, 0.0);
-        Self {
-            time_ns: 0,
-            raw_ut: &NOTHING,
-            is_blank: false,
-            rate_rad_s: &NOTHING,
-            delayed_rad_s: NOTHING,
-            increment_rad: &NOTHING,
-            turn: Matrix3::identity(),
-            angle_rad: 0.0,
-            dt_s,
-            noise: ProcessNoise { bridged_rad2: 0.0, offset_ut: 0.0, local_ut: 0.0, local_time_s: 1.0 },
-            sigma_ut: 0.5,
-            late_s: 0.0,
-            bias_sd_rad_s: 0.0,
-            resting: false,
-            bias_variance: None,
-            motion: 1.0,
-        }
-    }
-}
-
 /// What is known of calibration and gyroscope before a sample.
 pub(crate) struct Known {
     pub(crate) x: Parts,
@@ -119,3 +93,6 @@ impl Known {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
