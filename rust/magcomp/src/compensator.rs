@@ -27,7 +27,7 @@ use crate::heading::HeadingConfig;
 use crate::north::North;
 use crate::range::ConfigError;
 use crate::reading::{Event, Reading, RejectReason, SensorMode, Status};
-use crate::sample::{MagneticSample, RotationRateSample, UpSample};
+use crate::sample::{MagneticSample, RotationRateSample, UpSample, seconds};
 use crate::sensing::axes::Axes;
 use crate::sensing::dip::Dip;
 use crate::sensing::frame::{Frame, Piece, Whole};
@@ -224,12 +224,12 @@ impl Compensator {
         answer.up = answer.up.filter(|_| !self.has_wrong_up());
         self.note(&sample, &answer);
         if let (Status::Tracking, Some(up_m_s2), Some(previous_ns)) = (status, up_m_s2, previous_ns) {
-            self.see_dip(&answer, &up_m_s2, (sample.time_ns - previous_ns) as f64 * 1e-9);
+            self.see_dip(&answer, &up_m_s2, seconds(previous_ns, sample.time_ns));
         }
         self.north.step(sample.time_ns, &mut answer, self.config.heading.declination_deg);
         let reading = self.assemble(sample.time_ns, status, &answer);
         if let (Status::Tracking, Some(heading)) = (status, &reading.heading) {
-            let since_s = previous_ns.map_or(0.0, |previous_ns| (sample.time_ns - previous_ns) as f64 * 1e-9);
+            let since_s = previous_ns.map_or(0.0, |previous_ns| seconds(previous_ns, sample.time_ns));
             self.belief.see_dip(heading, since_s);
         }
         reading
@@ -262,7 +262,7 @@ impl Compensator {
     fn pair(&mut self, time_ns: i64, previous_ns: Option<i64>, field_ut: Option<&Vector3<f64>>) -> PairedInertial {
         let mut paired = self.pairing.pair(time_ns);
         self.presence.see(time_ns, previous_ns, paired.rotation.is_some());
-        let dt_s = previous_ns.map_or(0.0, |previous_ns| (time_ns - previous_ns) as f64 * 1e-9);
+        let dt_s = previous_ns.map_or(0.0, |previous_ns| seconds(previous_ns, time_ns));
         let rotation = paired.rotation.filter(|_| previous_ns.is_some());
         if let (Some(rotation), Some(up_m_s2)) = (&rotation, &paired.up_m_s2) {
             self.axes.read(rotation, dt_s, up_m_s2);

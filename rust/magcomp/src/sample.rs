@@ -91,3 +91,8 @@ pub enum Yaw {
         reference: NorthReference,
     },
 }
+
+/// From one time to another, s; no pair of times overflows.
+pub(crate) fn seconds(from_ns: i64, to_ns: i64) -> f64 {
+    to_ns.saturating_sub(from_ns) as f64 * 1e-9
+}

@@ -7,7 +7,7 @@ use super::rails::Rails;
 use super::repeats::Repeats;
 use super::tuning::Tuning;
 use crate::reading::{Axis, RejectReason};
-use crate::sample::MagneticSample;
+use crate::sample::{MagneticSample, seconds};
 use crate::sensing::pairing::PairedInertial;
 use nalgebra::Vector3;
 
@@ -117,9 +117,4 @@ impl Stream {
         }
         Ok(())
     }
-}
-
-/// From one time to another, s.
-fn seconds(from_ns: i64, to_ns: i64) -> f64 {
-    (i128::from(to_ns) - i128::from(from_ns)) as f64 * 1e-9
 }

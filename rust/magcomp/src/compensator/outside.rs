@@ -3,7 +3,7 @@
 use super::Compensator;
 use crate::math::elementary::atan2;
 use crate::reading::HeadingAid;
-use crate::sample::{AttitudeSample, HeadedAxis, HeadingSample, Yaw};
+use crate::sample::{AttitudeSample, HeadedAxis, HeadingSample, Yaw, seconds};
 use crate::sensing::pairing::{EventRejection, MAX_LEAD_S};
 use nalgebra::Vector3;
 
@@ -30,7 +30,7 @@ impl Compensator {
         if !to_world.coords.iter().all(|it| it.is_finite()) {
             return Err(EventRejection::NotFinite);
         }
-        if self.stream.latest_ns().is_some_and(|latest| time_ns.saturating_sub(latest) as f64 * 1e-9 > MAX_LEAD_S) {
+        if self.stream.latest_ns().is_some_and(|latest| seconds(latest, time_ns) > MAX_LEAD_S) {
             return Err(EventRejection::Ahead);
         }
         self.stand_in.check(time_ns)?;

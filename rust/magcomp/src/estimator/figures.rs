@@ -7,7 +7,7 @@ use crate::calibration::Calibration;
 use crate::ellipsoid::direction_sigma_deg;
 use crate::priors::STEP_S;
 use crate::room::Roomy;
-use crate::sample::MagneticSample;
+use crate::sample::{MagneticSample, seconds};
 use nalgebra::{SMatrix, Vector3};
 use std::collections::VecDeque;
 
@@ -70,7 +70,7 @@ impl Figures {
 
     /// Puts the figures into the answer to a sample; now and then `in_force` is asked.
     pub fn finish(&mut self, answer: &mut Answer, sample: &MagneticSample, in_force: impl FnOnce() -> InForce) {
-        let is_due = self.formed_ns.is_none_or(|formed_ns| sample.time_ns.abs_diff(formed_ns) as f64 * 1e-9 >= ANEW_S);
+        let is_due = self.formed_ns.is_none_or(|formed_ns| seconds(formed_ns, sample.time_ns).abs() >= ANEW_S);
         self.samples = self.samples.saturating_add(1);
         if self.latest.len() == self.config.n_min {
             self.latest.pop_front();

@@ -2,11 +2,10 @@
 
 use crate::math::elementary::rotation_vector;
 use crate::math::turn::Turn;
+use crate::sample::seconds;
 use arrayvec::ArrayVec;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
-/// Mathematics: seconds in a nanosecond.
-pub(super) const NANO: f64 = 1e-9;
 /// Limit: a heading may come so late, s: a GNSS fix that a system has batched.
 pub(super) const LATEST_S: f64 = 5.0;
 /// Choice: turns held over that time.
@@ -32,7 +31,7 @@ impl History {
         let so_far = self.latest.map_or_else(Matrix3::identity, |latest| turn * latest.turn);
         let latest = Turned { time_ns, turn: so_far };
         let least_s = LATEST_S / TURNS as f64;
-        if self.turns.last().is_none_or(|last| (time_ns - last.time_ns) as f64 * NANO >= least_s) {
+        if self.turns.last().is_none_or(|last| seconds(last.time_ns, time_ns) >= least_s) {
             if self.turns.is_full() {
                 self.turns.remove(0);
             }

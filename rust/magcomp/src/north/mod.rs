@@ -23,11 +23,11 @@ use crate::estimator::answer::{Answer, Carry, KnownNorth};
 use crate::explanation::OutsideTest;
 use crate::level::Level;
 use crate::reading::HeadingAid;
-use crate::sample::{HeadedAxis, HeadingSample, NorthReference};
+use crate::sample::{HeadedAxis, HeadingSample, NorthReference, seconds};
 use crate::sensing::pairing::{EventRejection, MAX_LEAD_S};
 use arrayvec::ArrayVec;
 use carried::{Carried, Own, Told, wrap};
-use history::{History, LATEST_S, NANO};
+use history::{History, LATEST_S};
 use nalgebra::{Matrix3, Vector3};
 use offset::Offset;
 use std::f64::consts::PI;
@@ -69,7 +69,7 @@ impl North {
         if !(sigma_deg > 0.0 && sigma_deg <= 180.0 && heading_deg.abs() <= 360.0 && axis.norm() > 0.0) {
             return Err(EventRejection::OutOfRange);
         }
-        let ahead_s = latest_ns.map_or(0.0, |latest| time_ns.saturating_sub(latest) as f64 * NANO);
+        let ahead_s = latest_ns.map_or(0.0, |latest| seconds(latest, time_ns));
         if ahead_s > MAX_LEAD_S {
             return Err(EventRejection::Ahead);
         }
@@ -133,7 +133,7 @@ impl North {
     /// What the latest headings are worth, unless it is long ago.
     pub fn aid(&self, time_ns: i64) -> Option<HeadingAid> {
         let Heard { time_ns: heard_ns, was, .. } = self.heard?;
-        let is_recent = time_ns.saturating_sub(heard_ns) as f64 * NANO < 2.0 * Tuning::USED.own_support_s;
+        let is_recent = seconds(heard_ns, time_ns) < 2.0 * Tuning::USED.own_support_s;
         match was {
             HeadingAid::Used if self.carried.as_ref().is_some_and(|it| it.leads) => Some(HeadingAid::Leads),
             was => is_recent.then_some(was),
@@ -194,7 +194,7 @@ impl North {
         };
         let now = self.history.brought(&axis, heading.time_ns)?;
         let own_bearing = own.level.told_bearing(&now)?;
-        let since_s = self.heard.map_or(f64::INFINITY, |it| (heading.time_ns - it.time_ns) as f64 * NANO);
+        let since_s = self.heard.map_or(f64::INFINITY, |it| seconds(it.time_ns, heading.time_ns));
         let mut told = Told {
             axis: now,
             bearing_rad: heading.heading_deg.to_radians(),

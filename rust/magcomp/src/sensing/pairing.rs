@@ -16,14 +16,13 @@ mod tests;
 
 use super::tuning::Tuning;
 use crate::math::elementary::{gain, quaternion, rotation_vector};
+use crate::sample::seconds;
 use arrayvec::ArrayVec;
 use nalgebra::Vector3;
 use std::mem::take;
 
 /// Choice: events held of each sensor: 40 ms at 400 Hz, the interval of a 25 Hz magnetometer; an overflow folds the oldest rate.
 const EVENTS: usize = 16;
-/// Mathematics: seconds in a nanosecond.
-const NANO: f64 = 1e-9;
 /// A sensor whose newest event is older than this at a magnetometer time counts as absent, s.
 pub(crate) const STALE_S: f64 = Tuning::USED.stale_s;
 /// Data sheet: largest rotation rate believed, rad/s: above the 35 rad/s full scale of phone gyroscopes.
@@ -331,9 +330,4 @@ fn then(first: &Vector3<f64>, next: &Vector3<f64>) -> Vector3<f64> {
 /// Whether a sensor that says nothing for so long is not there, s.
 fn is_silence(span_s: f64) -> bool {
     span_s > STALE_S
-}
-
-/// `to - from`, seconds; saturating, so that no pair of times can overflow.
-fn seconds(from_ns: i64, to_ns: i64) -> f64 {
-    to_ns.saturating_sub(from_ns) as f64 * NANO
 }

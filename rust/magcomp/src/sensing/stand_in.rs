@@ -4,6 +4,7 @@
 mod tests;
 
 use crate::math::elementary::rotation_vector;
+use crate::sample::seconds;
 use crate::sensing::pairing::{EventRejection, InertialPairing, STALE_S};
 use nalgebra::UnitQuaternion;
 
@@ -35,7 +36,7 @@ impl StandIn {
 
     /// A pose that was checked. Its turn since the pose before goes to the pairing, unless the gyroscope speaks or that pose is too old.
     pub fn take(&mut self, time_ns: i64, to_world: UnitQuaternion<f64>, pairing: &mut InertialPairing) {
-        let since_s = |then_ns: i64| time_ns.saturating_sub(then_ns) as f64 * 1e-9;
+        let since_s = |then_ns: i64| seconds(then_ns, time_ns);
         let speaks = self.gyroscope_ns.is_some_and(|it| since_s(it) <= STALE_S);
         let before = self.pose.replace((time_ns, to_world));
         let Some((before_ns, before)) = before.filter(|(before_ns, _)| !speaks && since_s(*before_ns) <= STALE_S)

@@ -17,6 +17,7 @@ mod tests;
 
 use super::tuning::Tuning;
 use crate::math::elementary::gain;
+use crate::sample::seconds;
 use crate::strength::EARTH_UT;
 use nalgebra::Vector3;
 
@@ -74,7 +75,7 @@ impl Tilt {
         let Tuning { tilt_s, hand_rad, motion_s, across, .. } = Tuning::USED;
         let a = up_m_s2 / GRAVITY_M_S2;
         let off = |it: &Vector3<f64>| (it.norm() - 1.0).abs().min(LARGEST).powi(2);
-        let age_s = |it: &Filter| time_ns.saturating_sub(it.last_ns) as f64 * 1e-9;
+        let age_s = |it: &Filter| seconds(it.last_ns, time_ns);
         // what was before a pause is gone
         let Some(it) = self.filter.as_mut().filter(|it| age_s(it) <= tilt_s) else {
             let (motion, variance) = (off(&a), NOISE.powi(2));

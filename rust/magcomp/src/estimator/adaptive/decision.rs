@@ -7,6 +7,7 @@ use super::tuning::Tuning;
 use crate::estimator::answer::LEAST_TOLD_UT;
 use crate::priors::RARE;
 use crate::reading::{Event, EventKind, ModelOrder};
+use crate::sample::seconds;
 
 /// The latest decision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -25,7 +26,7 @@ pub(super) struct Decision {
 
 impl Decision {
     pub fn review(&mut self, bank: &Bank, time_ns: i64, unit_ut: f64, tuning: &Tuning) {
-        let since = |ns: i64| time_ns.saturating_sub(ns) as f64 * 1e-9;
+        let since = |ns: i64| seconds(ns, time_ns);
         let Some(best) = bank.best() else { return };
         // the place
         // half of what another place usually is

@@ -14,6 +14,7 @@ use crate::math::elementary::ln;
 use crate::math::ldl::Ldl;
 use crate::noise::Process;
 use crate::priors::IRON_PER_UT;
+use crate::sample::seconds;
 use nalgebra::Vector3;
 
 /// Choice: calibrations nearer than this (units, and relative for T) are in one place. A mean that is further from `lin` wants another run.
@@ -184,7 +185,7 @@ impl Filter {
     /// The first frame after a large change tells b: the direction of the field is that from before, but for a turn.
     fn leap_to(&mut self, frame: &Frame, leap: &Leap, unit_ut: f64) {
         let by = frame.u - leap.from;
-        let seconds = frame.time_ns.saturating_sub(leap.from_ns) as f64 * 1e-9;
+        let seconds = seconds(leap.from_ns, frame.time_ns);
         let iron = IRON_PER_UT * unit_ut * by.norm().min(leap.step);
         let variance = (leap.turning * seconds).powi(2) + iron * iron + 2.0 * frame.white;
         if variance >= leap.step * leap.step {

@@ -26,6 +26,7 @@ use crate::math::elementary::{hypot, ln};
 use crate::noise::{Markov, MeanSquare, Process, Stays};
 use crate::priors::{OUTLYING, RARE};
 use crate::reading::{HoldReason, Missing, Status};
+use crate::sample::seconds;
 use crate::sensing::tilt::calm;
 use bank::{Bank, LATELY};
 use decision::Decision;
@@ -147,7 +148,7 @@ impl Adaptive {
         let u = raw_ut / self.unit_ut;
         let up = up_m_s2.and_then(|up| calm(&up));
         if let Some(latest) = self.latest_ns {
-            let seconds = time_ns.saturating_sub(latest) as f64 * 1e-9;
+            let seconds = seconds(latest, time_ns);
             if seconds < 1.0 {
                 self.period_s = seconds;
             }
@@ -209,7 +210,7 @@ impl Adaptive {
         };
         let (u, up, count) =
             (pooled.sum / pooled.groups, pooled.up.try_normalize(0.5 * pooled.groups), count * pooled.groups);
-        let seconds = self.frame_ns.map_or(tuning.frame_s, |before| time_ns.saturating_sub(before) as f64 * 1e-9);
+        let seconds = self.frame_ns.map_or(tuning.frame_s, |before| seconds(before, time_ns));
         self.frame_ns = Some(time_ns);
         let noise = self.noise();
         if self.bank.frames.next == 0 {
@@ -253,7 +254,7 @@ impl Adaptive {
             < self.tuning.frame_ut / self.unit_ut + 3.0 * (self.white() * self.tuning.grouped).sqrt();
         let mut moved_s = 0.0;
         if !stays {
-            moved_s = (time_ns.saturating_sub(self.stay.latest_ns) as f64 * 1e-9).clamp(0.0, 0.5);
+            moved_s = seconds(self.stay.latest_ns, time_ns).clamp(0.0, 0.5);
             self.stay = Stay { at: u, latest_ns: time_ns, length: 0, frames: 0, pooled: Pooled::default() };
             self.stays.end();
         }

@@ -32,6 +32,7 @@ mod tuning;
 mod turned;
 mod watch;
 
+use crate::sample::seconds;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use crate::calibration::Calibration;
@@ -53,9 +54,6 @@ use state::{BIAS, CALIBRATION, FIELD, FIELD_AND_CALIBRATION, Filter, HARD_IRON};
 /// What an aided estimator is made with.
 pub(crate) use tuning::Tuning;
 use watch::Former;
-
-/// Mathematics: seconds in a nanosecond.
-const NANO: f64 = 1e-9;
 
 /// The estimator. All state is plain numbers: it can be cloned and compared.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -200,7 +198,7 @@ impl Aided {
         inertial: &PairedInertial,
         is_blank: bool,
     ) -> (Status, Answer) {
-        let dt_s = self.last_ns.map(|last| time_ns.saturating_sub(last) as f64 * NANO);
+        let dt_s = self.last_ns.map(|last| seconds(last, time_ns));
         self.last_ns = Some(time_ns);
         let up = inertial.up_m_s2;
         let waited;
