@@ -12,6 +12,7 @@ for name in kotlin coroutines jna; do
 done
 version=$(sed -n 's#^  <version>\(.*\)</version>#\1#p' pom.xml)
 grep -qx "version = \"$version\"" library/build.gradle.kts || fail "library/build.gradle.kts has another version than pom.xml, $version"
+grep -q "coreLibrariesVersion = \"$(maven kotlin.stdlib)\"\$" library/build.gradle.kts || fail "the Kotlin library differs"
 grep -q "minSdk = $(sed -n 's#.*<min.sdk>\(.*\)</min.sdk>.*#\1#p' pom.xml)\$" library/build.gradle.kts || fail "minSdk differs"
 
 # every rootDir.resolve("...") and every module

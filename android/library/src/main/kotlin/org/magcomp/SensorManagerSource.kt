@@ -97,11 +97,13 @@ public class SensorManagerSource internal constructor(
         run.add(taker)
     }
 
-    private fun leave(taker: EventTaker) = synchronized(lock) {
-        val run = run ?: return
-        if (!run.remove(taker)) {
-            this.run = null
-            run.end()
+    private fun leave(taker: EventTaker) {
+        synchronized(lock) {
+            val run = run ?: return
+            if (!run.remove(taker)) {
+                this.run = null
+                run.end()
+            }
         }
     }
 
