@@ -23,6 +23,14 @@ class ApiTest {
         assertEquals(agreed.readText(), found, "if the change is meant, copy $now to $agreed")
     }
 
+    /** A Kotlin reads what is one version ahead of it, and README promises 2.1. */
+    @Test
+    fun `an app's Kotlin 2_1 reads the classes`() {
+        for (type in listOf(Compass::class, MagneticReading::class)) {
+            assertEquals(listOf(2, 2), type.java.getAnnotation(Metadata::class.java).metadataVersion.take(2))
+        }
+    }
+
     /** A folder's or a jar's, which of the two Maven's goal decides. */
     private fun classes(place: File): List<ByteArray> {
         if (place.isDirectory) return place.walk().filter { it.extension == "class" }.map { it.readBytes() }.toList()
