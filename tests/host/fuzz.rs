@@ -30,7 +30,7 @@ fn byte(random: &mut Random) -> u8 {
 #[test]
 fn streams_of_any_events_give_finite_readings_and_refusals_change_nothing() {
     let input = |random: &mut Random| (0..2000).map(|_| byte(random)).collect();
-    each(rounds(20), "stream", input, stream);
+    each(rounds(8), "stream", input, stream);
 }
 
 #[test]
