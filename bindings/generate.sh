@@ -10,7 +10,7 @@ esac
 . tests/need.sh
 need bindings "${rust_tools[@]}" perl:perl-base
 . tests/native.sh
-# alone: with the workspace its features would build the large importers anew
+# alone: beside the workspace its features would make cargo build Arrow and Parquet a second time
 cargo build --quiet --locked --profile test --package uniffi-bindgen
 fresh=$(mktemp -d)
 trap 'rm -rf "$fresh"' EXIT

@@ -44,7 +44,7 @@ android {
 }
 
 kotlin {
-    // one version ahead of the oldest Kotlin of an app
+    // an app's Kotlin 2.1 reads classes up to 2.2, one minor version newer than itself
     coreLibrariesVersion = "2.2.21"
     compilerOptions {
         jvmTarget.set(org.jetbrains.kotlin.gradle.dsl.JvmTarget.JVM_1_8)

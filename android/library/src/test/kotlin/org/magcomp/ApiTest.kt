@@ -23,7 +23,7 @@ class ApiTest {
         assertEquals(agreed.readText(), found, "if the change is meant, copy $now to $agreed")
     }
 
-    /** A Kotlin reads what is one version ahead of it, and README promises 2.1. */
+    /** A compiler reads classes up to one minor version newer than itself: android/README.md promises Kotlin 2.1. */
     @Test
     fun `an app's Kotlin 2_1 reads the classes`() {
         for (type in listOf(Compass::class, MagneticReading::class)) {
