@@ -56,9 +56,8 @@ pub(super) struct Adopted {
     since_ns: Option<i64>,
     /// A total field was seen, with a dip where there was one.
     is_seen: bool,
-    /// The system's hard iron was heard.
+    /// The system's hard iron was heard, or is what was adopted: its later ones are no other evidence.
     is_heard: bool,
-    is_systems: bool,
 }
 
 /// Seconds since a calibration was kept. Of one that was learned at an unknown time, or by another clock, nothing is known.
@@ -85,16 +84,9 @@ impl Adopted {
             let covariance = kept.covariance() + independent(size_ut.powi(2), iron.powi(2));
             Summand { log_weight: ln(weight), mean: Vector9::zeros(), covariance }
         });
-        let inclination_deg = kept.inclination_deg();
-        Self {
-            kept: *kept.calibration(),
-            inclination_deg,
-            summands,
-            since_ns: None,
-            is_seen: false,
-            is_heard: false,
-            is_systems: kept.source() == CalibrationSource::System,
-        }
+        let is_heard = kept.source() == CalibrationSource::System;
+        let (kept, inclination_deg) = (*kept.calibration(), kept.inclination_deg());
+        Self { kept, inclination_deg, summands, since_ns: None, is_seen: false, is_heard }
     }
 
     /// A live sample, with `up` of length 1 where the device is not accelerated. Whether it told something new.
@@ -113,18 +105,18 @@ impl Adopted {
         let mut by = SMatrix::<f64, 3, 9>::zeros();
         by.fixed_columns_mut::<3>(0).copy_from(&-w);
         by.fixed_columns_mut::<6>(3).copy_from(&(-w * iron_rows(&c)));
-        // the same length of c, or of both its parts
+        // how much longer c should be, or both its parts, and where they point; one of no length has no direction
+        let along = |v: Vector3<f64>, length_ut: f64| (length_ut - v.norm(), v.try_normalize(1e-6).unwrap_or_default());
         let parts = match self.inclination_deg.zip(up) {
             Some((dip_deg, up)) => {
                 let (sin, cos) = sin_cos(dip_deg.to_radians());
                 let vertical = up * up.dot(&c);
-                let down = Part { found_ut: -vertical.dot(up), direction: *up * -1.0, expected_ut: strength_ut * sin };
-                [down, Part::along(c - vertical, strength_ut * cos)]
+                [(strength_ut * sin + vertical.dot(up), -up), along(c - vertical, strength_ut * cos)]
             }
-            None => [Part::along(c, strength_ut), Part::default()],
+            None => [along(c, strength_ut), Default::default()],
         };
-        let r = Vector2::from(parts.map(|part| part.expected_ut - part.found_ut));
-        let h = SMatrix::<f64, 2, 9>::from_rows(&parts.map(|part| part.direction.transpose() * by));
+        let r = Vector2::from(parts.map(|(longer_ut, _)| longer_ut));
+        let h = SMatrix::<f64, 2, 9>::from_rows(&parts.map(|(_, direction)| direction.transpose() * by));
         let noise = Matrix2::from_diagonal_element(2.0 * ROOM_UT * ROOM_UT);
         self.summands.iter_mut().for_each(|it| it.measure(&h, &r, &noise));
         true
@@ -132,11 +124,9 @@ impl Adopted {
 
     /// The system's hard iron: the first that is told beside a calibration of another source. Whether it told something new.
     pub fn hear(&mut self, system: &KeptCalibration) -> bool {
-        // of the system's own there is one: its later ones are no other evidence
-        if self.is_heard || self.is_systems {
+        if std::mem::replace(&mut self.is_heard, true) {
             return false;
         }
-        self.is_heard = true;
         let r = system.calibration().hard_iron_ut() - self.kept.hard_iron_ut();
         let noise = system.covariance().fixed_view::<3, 3>(0, 0).into_owned();
         let h = SMatrix::<f64, 3, 9>::identity();
@@ -163,21 +153,6 @@ impl Adopted {
         let hard_iron_ut = self.kept.hard_iron_ut() + mean.fixed_rows::<3>(0);
         let calibration = Calibration::new(soft_iron, hard_iron_ut, self.kept.field_strength_ut()).ok()?;
         Some(Given { calibration, covariance: covariance.symmetric_part() })
-    }
-}
-
-/// A part of the field that was found, and how large it is expected to be.
-#[derive(Clone, Copy, Default)]
-struct Part {
-    found_ut: f64,
-    direction: Vector3<f64>,
-    expected_ut: f64,
-}
-
-impl Part {
-    /// The length of a vector; one of no length has no direction.
-    fn along(v: Vector3<f64>, expected_ut: f64) -> Self {
-        Self { found_ut: v.norm(), direction: v.try_normalize(1e-6).unwrap_or_default(), expected_ut }
     }
 }
 

@@ -41,11 +41,9 @@ struct Extremes {
 impl Rails {
     /// Whether an axis reads its full scale.
     pub fn check(&self, field_ut: &Vector3<f64>) -> Result<(), RejectReason> {
-        for (extremes, (value_ut, axis)) in self.axes.iter().zip(field_ut.iter().zip([Axis::X, Axis::Y, Axis::Z])) {
-            if let Some(rail_ut) =
-                [extremes.low_ut, extremes.high_ut].into_iter().flatten().find(|rail| rail == value_ut)
-            {
-                return Err(RejectReason::Saturated { axis, value_ut: *value_ut, rail_ut: rail_ut.abs() });
+        for (extremes, (&value_ut, axis)) in self.axes.iter().zip(field_ut.iter().zip([Axis::X, Axis::Y, Axis::Z])) {
+            if [extremes.low_ut, extremes.high_ut].contains(&Some(value_ut)) {
+                return Err(RejectReason::Saturated { axis, value_ut, rail_ut: value_ut.abs() });
             }
         }
         Ok(())

@@ -5,7 +5,7 @@
 use super::tuning::Tuning;
 use crate::math::elementary::atan2;
 use crate::sensing::hang::{Turned, hangs};
-use crate::sensing::pairing::{PairedInertial, Rotation};
+use crate::sensing::pairing::PairedInertial;
 use nalgebra::Vector3;
 
 /// See the module.
@@ -33,25 +33,17 @@ impl Repeats {
             return;
         }
         if let Some(rotation) = &paired.rotation {
-            self.turn(rotation, span_s);
+            self.turned.add(rotation, span_s);
+            self.has_turned |= hangs(self.turned.angle_rad());
         }
         if let Some(up_m_s2) = &paired.up_m_s2 {
-            self.lean(up_m_s2);
-        }
-    }
-
-    fn turn(&mut self, rotation: &Rotation, span_s: f64) {
-        self.turned.add(rotation, span_s);
-        self.has_turned |= hangs(self.turned.angle_rad());
-    }
-
-    fn lean(&mut self, up_m_s2: &Vector3<f64>) {
-        self.up_sum += up_m_s2;
-        self.up_samples += 1;
-        if is_run(self.up_samples) {
-            let first_up = self.first_up.get_or_insert(self.up_sum);
-            self.has_turned |= hangs(atan2(first_up.cross(&self.up_sum).norm(), first_up.dot(&self.up_sum)));
-            (self.up_sum, self.up_samples) = (Vector3::zeros(), 0);
+            self.up_sum += up_m_s2;
+            self.up_samples += 1;
+            if is_run(self.up_samples) {
+                let first_up = self.first_up.get_or_insert(self.up_sum);
+                self.has_turned |= hangs(atan2(first_up.cross(&self.up_sum).norm(), first_up.dot(&self.up_sum)));
+                (self.up_sum, self.up_samples) = (Vector3::zeros(), 0);
+            }
         }
     }
 

@@ -7,22 +7,8 @@ use nalgebra::Vector3;
 /// Mathematics: cells on the whole sphere, the sum of those of the bands, each about 30 degrees across.
 pub const CELLS: usize = 48;
 
-/// A band of cells.
-#[derive(Clone, Copy)]
-struct Band {
-    first: usize,
-    cells: usize,
-}
-
-/// Mathematics: bands of latitude, north to south, cut so that every cell has the area 4 pi / 48.
-const BANDS: [Band; 6] = [
-    Band { first: 0, cells: 4 },
-    Band { first: 4, cells: 8 },
-    Band { first: 12, cells: 12 },
-    Band { first: 24, cells: 12 },
-    Band { first: 36, cells: 8 },
-    Band { first: 44, cells: 4 },
-];
+/// Mathematics: bands of latitude, north to south, cut so that every cell has the area 4 pi / 48: the first cell of each, and how many it has.
+const BANDS: [(usize, usize); 6] = [(0, 4), (4, 8), (12, 12), (24, 12), (36, 8), (44, 4)];
 
 /// Mathematics: tangents of 30, 45 and 60 degrees, at which a quarter of two or of three cells is cut.
 const CUTS: [&[f64]; 3] = [&[], &[1.0], &[0.577_350_269_189_625_8, 1.732_050_807_568_877_2]];
@@ -50,8 +36,9 @@ impl Coverage {
     #[must_use]
     pub fn cell(direction: &Vector3<f64>) -> usize {
         let (length, [x, y, z]) = (direction.norm(), direction.data.0[0]);
-        let is_above = |band: &Band| z > length * (1.0 - 2.0 * (band.first + band.cells) as f64 / CELLS as f64);
-        let Band { first, cells } = BANDS.into_iter().find(is_above).unwrap_or(BANDS[5]);
+        let is_above =
+            |(first, cells): &(usize, usize)| z > length * (1.0 - 2.0 * (first + cells) as f64 / CELLS as f64);
+        let (first, cells) = BANDS.into_iter().find(is_above).unwrap_or(BANDS[5]);
         // quarters from the west on, anticlockwise: along where each begins, and across
         let (quarter, along, across) = match (x < 0.0, y < 0.0) {
             (true, true) => (0, -x, -y),
@@ -65,7 +52,7 @@ impl Coverage {
 
     /// Unit vector to the middle of a cell.
     pub(super) fn middle(cell: usize) -> Vector3<f64> {
-        let Band { first, cells } = BANDS.into_iter().find(|band| cell < band.first + band.cells).unwrap_or(BANDS[5]);
+        let (first, cells) = BANDS.into_iter().find(|(first, cells)| cell < first + cells).unwrap_or(BANDS[5]);
         let z = 1.0 - (2 * first + cells) as f64 / CELLS as f64;
         let phi = ((cell - first) as f64 + 0.5) / cells as f64 * std::f64::consts::TAU - std::f64::consts::PI;
         let flat = (1.0 - z * z).sqrt();
@@ -92,8 +79,7 @@ impl Coverage {
     /// Share of the cells with at least one sample, 0 to 1.
     #[must_use]
     pub fn share(&self) -> f64 {
-        let before = self.latest.saturating_sub(self.window);
-        self.last_seen.iter().filter(|seen| **seen > before).count() as f64 / CELLS as f64
+        (0..CELLS).filter(|cell| self.is_seen(*cell)).count() as f64 / CELLS as f64
     }
 
     /// Middles of the cells without a sample, unit vectors in the device frame: point the field there next.

@@ -33,23 +33,16 @@ const fn place([i, j, k]: [usize; 3]) -> usize {
     below + rest * (rest + 1) / 2 + k
 }
 
-/// A monomial, times a factor.
-#[derive(Clone, Copy)]
-struct Term {
-    factor: f64,
-    place: usize,
-}
-
-/// Where an entry of S is found among the monomials (0 is the constant), and what each axis adds to that of (grad z)(grad z)^T.
+/// Where an entry of S is found among the monomials (0 is the constant), and what each axis adds to that of (grad z)(grad z)^T: a factor, and of which.
 #[derive(Clone, Copy)]
 struct Entry {
     place: usize,
-    by_axis: [Term; 3],
+    by_axis: [(f64, usize); 3],
 }
 
 /// Mathematics: the entries of S and B.
 const PLACES: [[Entry; 10]; 10] = {
-    let nothing = Entry { place: 0, by_axis: [Term { factor: 0.0, place: 0 }; 3] };
+    let nothing = Entry { place: 0, by_axis: [(0.0, 0); 3] };
     let mut places = [[nothing; 10]; 10];
     let mut entry = 0;
     while entry < 100 {
@@ -63,7 +56,7 @@ const PLACES: [[Entry; 10]; 10] = {
                 let mut derived = both;
                 derived[axis] -= 2;
                 let factor = FACTORS[row] * FACTORS[column] * (a[axis] * b[axis]) as f64;
-                places[row][column].by_axis[axis] = Term { factor, place: place(derived) };
+                places[row][column].by_axis[axis] = (factor, place(derived));
             }
             axis += 1;
         }
@@ -182,7 +175,7 @@ impl Moments {
         let mut b = SMatrix::<f64, 10, 10>::zeros();
         for i in 0..10 {
             for j in i..10 {
-                let [x, y, z] = PLACES[i][j].by_axis.map(|term| term.factor * means[term.place]);
+                let [x, y, z] = PLACES[i][j].by_axis.map(|(factor, place)| factor * means[place]);
                 b[(i, j)] = x + y + z + square(i, j) + square(j, i);
             }
         }

@@ -52,10 +52,9 @@ struct Cell {
 /// See the module.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Markov {
-    believed: (f64, f64),
+    believed: Process,
     cells: [[Cell; SIZES]; LASTS],
-    size: f64,
-    lasts_s: f64,
+    learned: Process,
 }
 
 /// How far a cell is from the middle one.
@@ -67,12 +66,13 @@ impl Markov {
     /// Believed to be of this size, and to last so long, before a miss is seen.
     pub fn new(size: f64, lasts_s: f64) -> Self {
         let cell = |k| Cell { variance: (size * RATIO.powi(steps(k, SIZES))).powi(2), ..Cell::default() };
-        Self { believed: (size, lasts_s), cells: [std::array::from_fn(cell); LASTS], size, lasts_s }
+        let believed = Process { size, lasts_s };
+        Self { believed, cells: [std::array::from_fn(cell); LASTS], learned: believed }
     }
 
     /// s and tau as learned so far.
     pub fn process(&self) -> Process {
-        Process { size: self.size, lasts_s: self.lasts_s }
+        self.learned
     }
 
     /// A miss whose white variance is known, that of the prediction included, so many seconds after the one before.
@@ -80,11 +80,11 @@ impl Markov {
         let (mut top, mut sum, mut size, mut lasts) = (f64::NEG_INFINITY, 0.0, 0.0, 0.0);
         for i in 0..LASTS {
             let lasts_by = steps(i, LASTS);
-            let phi = exp(-seconds / (self.believed.1 * RATIO.powi(lasts_by)));
+            let phi = exp(-seconds / (self.believed.lasts_s * RATIO.powi(lasts_by)));
             for k in 0..SIZES {
                 let size_by = steps(k, SIZES);
                 let cell = &mut self.cells[i][k];
-                cell.add(miss, white, phi, (self.believed.0 * RATIO.powi(size_by)).powi(2));
+                cell.add(miss, white, phi, (self.believed.size * RATIO.powi(size_by)).powi(2));
                 let log = cell.log - 0.5 * f64::from(size_by * size_by + lasts_by * lasts_by);
                 if log > top {
                     let less = exp(top - log);
@@ -96,8 +96,8 @@ impl Markov {
                 lasts += weight * f64::from(lasts_by);
             }
         }
-        self.size = self.believed.0 * exp(size / sum * ln(RATIO));
-        self.lasts_s = self.believed.1 * exp(lasts / sum * ln(RATIO));
+        self.learned.size = self.believed.size * exp(size / sum * ln(RATIO));
+        self.learned.lasts_s = self.believed.lasts_s * exp(lasts / sum * ln(RATIO));
     }
 }
 

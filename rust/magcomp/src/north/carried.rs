@@ -16,11 +16,6 @@ impl Level {
         self.bearing(axis, Tuning::USED.least_horizontal)
     }
 
-    /// Of the device's three axes the one that is the most horizontal.
-    pub(super) fn most_horizontal(&self) -> Vector3<f64> {
-        Vector3::ith(self.up.iamin(), 1.0)
-    }
-
     /// Its columns.
     pub(super) fn frame(&self) -> Matrix3<f64> {
         Matrix3::from_columns(&[self.east, self.north, self.up])

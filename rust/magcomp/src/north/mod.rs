@@ -81,15 +81,11 @@ impl North {
         if self.waiting.get(place).is_some_and(|other| other.time_ns == time_ns) {
             return Err(EventRejection::Duplicate);
         }
-        if self.waiting.is_full() {
-            if place == 0 {
-                return Err(EventRejection::Late);
-            }
-            self.waiting.remove(0);
-            self.waiting.insert(place - 1, heading);
-        } else {
-            self.waiting.insert(place, heading);
+        if self.waiting.is_full() && place == 0 {
+            return Err(EventRejection::Late);
         }
+        let oldest = self.waiting.is_full().then(|| self.waiting.remove(0));
+        self.waiting.insert(place - usize::from(oldest.is_some()), heading);
         Ok(())
     }
 
@@ -157,12 +153,8 @@ impl North {
         let up = own.level.up;
         if self.carried.is_none() && !own.is_known() {
             let north = Carried::told(&own.level, &told);
-            self.heard = Some(Heard {
-                time_ns: heading.time_ns,
-                was: HeadingAid::Used,
-                off_rad: 0.0,
-                expected_rad2: north.variance_rad2(),
-            });
+            let (time_ns, was, expected_rad2) = (heading.time_ns, HeadingAid::Used, north.variance_rad2());
+            self.heard = Some(Heard { time_ns, was, off_rad: 0.0, expected_rad2 });
             self.carried = Some(north);
             return;
         }
@@ -190,7 +182,7 @@ impl North {
                 .mounting
                 .map(|mounting| mounting.axis)
                 .filter(|axis| own.level.told_bearing(axis).is_some())
-                .unwrap_or_else(|| own.level.most_horizontal()),
+                .unwrap_or_else(|| Vector3::ith(own.level.up.iamin(), 1.0)),
         };
         let now = self.history.brought(&axis, heading.time_ns)?;
         let own_bearing = own.level.told_bearing(&now)?;
@@ -271,8 +263,7 @@ impl Told {
 fn lead(answer: &mut Answer, own: &Own, north: &Carried, carry: &Carry) {
     let (towards, variance_rad2) = north.published(own);
     let Level { north: direction, up, .. } = towards;
-    let known = KnownNorth { north: direction, variance_rad2, up, tilt_rad2: carry.tilt_rad2 };
-    answer.north = Some(known);
+    answer.north = Some(KnownNorth { north: direction, variance_rad2, up, tilt_rad2: carry.tilt_rad2 });
     let (Some(field_ut), Some(covariance)) = (answer.filtered_field_ut, answer.filtered_covariance_ut2) else {
         return;
     };

@@ -17,7 +17,7 @@ use nalgebra::{SMatrix, SVector, Vector3};
 type Products = SVector<f64, 9>;
 
 /// See the module.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Dip {
     sum: Products,
     samples: f64,
@@ -28,18 +28,10 @@ pub(crate) struct Dip {
     has_other_axes: bool,
 }
 
-impl Default for Dip {
-    fn default() -> Self {
-        let (none, second) = (Products::zeros(), SMatrix::zeros());
-        Self { sum: none, samples: 0.0, length_s: 0.0, windows: 0.0, first: none, second, has_other_axes: false }
-    }
-}
-
 impl Dip {
     /// One sample: gravity and the corrected field, in g and of any length, and the time since the one before, s.
     pub fn see(&mut self, up: &Vector3<f64>, field: &Vector3<f64>, span_s: f64) {
-        let product = up * field.normalize().transpose();
-        self.sum += Products::from_fn(|k, _| product[(k / 3, k % 3)]);
+        self.sum += Products::from_column_slice((field.normalize() * up.transpose()).as_slice());
         self.samples += 1.0;
         self.length_s += span_s;
         if self.length_s >= STEP_S {

@@ -20,7 +20,6 @@ const LARGEST_HALF: f64 = 0.1;
 pub(crate) struct Frame {
     raw_ut: Sum,
     up_m_s2: Sum,
-    rows: f64,
     /// Sum of the times between a frame's beginning and its fields, less what these have waited.
     times_s: f64,
     turn: UnitQuaternion<f64>,
@@ -76,7 +75,7 @@ impl Sum {
 
 impl Frame {
     pub(crate) fn is_empty(&self) -> bool {
-        self.rows == 0.0
+        self.length_s == 0.0
     }
 
     /// One more sample; the frame where it is full, or the sample waits for none.
@@ -84,7 +83,6 @@ impl Frame {
         self.turn *= quaternion(&piece.increment_rad);
         self.bridged_rad2 += piece.bridged_rad2;
         self.length_s += piece.dt_s;
-        self.rows += 1.0;
         self.up_m_s2.add(piece.up_m_s2);
         self.raw_ut.add(piece.raw_ut);
         if piece.raw_ut.is_some() {

@@ -45,7 +45,7 @@ pub(crate) struct Tilt {
     filter: Option<Filter>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 struct Filter {
     up: Vector3<f64>,
     variance: f64,
@@ -79,16 +79,8 @@ impl Tilt {
         // what was before a pause is gone
         let Some(it) = self.filter.as_mut().filter(|it| age_s(it) <= tilt_s) else {
             let (motion, variance) = (off(&a), NOISE.powi(2));
-            self.filter = Some(Filter {
-                up: a,
-                variance,
-                motion,
-                motion_left: motion,
-                surprise: 0.0,
-                raw_ut: *raw_ut,
-                turning: 0.0,
-                last_ns: time_ns,
-            });
+            let (raw_ut, last_ns, left) = (*raw_ut, time_ns, Filter::default());
+            self.filter = Some(Filter { up: a, variance, motion, motion_left: motion, raw_ut, last_ns, ..left });
             return;
         };
         let dt_s = age_s(it).max(1e-6);

@@ -35,7 +35,7 @@ pub(super) type Frame = [(usize, f64); 3];
 pub(super) const AS_READ: Frame = [(0, 1.0), (1, 1.0), (2, 1.0)];
 
 /// See the module.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Turning {
     /// m, W and A up to the latest sample, counted from the window's beginning; their sum over the window's samples, how many those are, and how long it is, s.
     now: Changes,
@@ -58,21 +58,6 @@ pub(crate) struct Verdict {
     pub axes: Option<[i8; 3]>,
 }
 
-impl Default for Turning {
-    fn default() -> Self {
-        Self {
-            now: Changes::zeros(),
-            sum: Changes::zeros(),
-            samples: 0.0,
-            length_s: 0.0,
-            before: None,
-            moments: SMatrix::zeros(),
-            windows: 0.0,
-            verdict: Verdict::default(),
-        }
-    }
-}
-
 impl Turning {
     /// The mean of some samples, uT: the turn since that before, rad, and how long they took, s.
     pub fn see(&mut self, field_ut: &Vector3<f64>, turn_rad: &Vector3<f64>, span_s: f64) {
@@ -82,12 +67,8 @@ impl Turning {
         let last = self.now.fixed_rows::<3>(0).into_owned();
         if self.samples > 0.0 || self.before.is_some() {
             let mean = (last + field_ut) * 0.5;
-            for axis in 0..3 {
-                let mut row = self.now.fixed_rows_mut::<3>(3 + 3 * axis);
-                row += mean * turn[axis];
-            }
-            let mut turned = self.now.fixed_rows_mut::<3>(12);
-            turned += turn;
+            let added = mean * turn.transpose();
+            self.now.iter_mut().skip(3).zip(added.iter().chain(&turn)).for_each(|(sum, value)| *sum += value);
         }
         self.now.fixed_rows_mut::<3>(0).copy_from(field_ut);
         self.sum += self.now;
@@ -147,27 +128,21 @@ impl Turning {
         let by_bias = self.by_bias();
         let explains = |left: f64, other: f64| is_no_chance(self.windows * ln((other + by_bias) / (left + by_bias)));
         let unmoved = self.moments.fixed_view::<3, 3>(0, 0).trace();
-        let as_read = self.left(AS_READ);
+        let left = |frame| self.fit(frame).0;
+        let as_read = left(AS_READ);
         if !explains(0.0, as_read) {
             // no rival could
             return Verdict::default();
         }
-        let least = |best: (f64, Option<Frame>), frame| {
-            let left = self.left(frame);
-            if left < best.0 { (left, Some(frame)) } else { best }
-        };
-        let (left, frame) = frames(1.0).fold((as_read, None), least);
-        let (mirrored, _) = frames(-1.0).fold((left, None), least);
-        let is_other = explains(left, as_read.min(unmoved));
+        let (least, frame) = frames(1.0)
+            .map(|frame| (left(frame), Some(frame)))
+            .fold((as_read, None), |best, next| if next.0 < best.0 { next } else { best });
+        let mirrored = frames(-1.0).map(left).fold(least, f64::min);
+        let is_other = explains(least, as_read.min(unmoved));
         Verdict {
             contradicts: explains(mirrored.min(unmoved), as_read),
             axes: frame.filter(|_| is_other).map(components),
         }
-    }
-
-    /// S_G.
-    fn left(&self, frame: Frame) -> f64 {
-        self.fit(frame).0
     }
 
     /// S_G, and the b of it.
@@ -202,26 +177,13 @@ fn no_chance() -> f64 {
     0.5 * OUTLYING * OUTLYING - ln(RARE)
 }
 
-/// Mathematics: the frames along the axes of another: 24 right-handed ones, then their 24 mirrors.
-const FRAMES: [Frame; 48] = all_frames();
-
-const fn all_frames() -> [Frame; 48] {
-    const ORDERS: [([usize; 3], f64); 6] =
-        [([0, 1, 2], 1.0), ([1, 2, 0], 1.0), ([2, 0, 1], 1.0), ([0, 2, 1], -1.0), ([1, 0, 2], -1.0), ([2, 1, 0], -1.0)];
-    const SIGNS: [[f64; 2]; 4] = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
-    let (mut frames, mut k) = ([AS_READ; 48], 0);
-    while k < 48 {
-        let (([a, b, c], parity), [x, y]) = (ORDERS[k % 24 / 4], SIGNS[k % 4]);
-        let hand = if k < 24 { parity } else { -parity };
-        frames[k] = [(a, x), (b, y), (c, x * y * hand)];
-        k += 1;
-    }
-    frames
-}
-
-/// The 24 of one hand: right-handed for 1, mirrored for -1.
+/// The 24 frames of one hand along the axes of another: right-handed for 1, mirrored for -1.
 pub(super) fn frames(hand: f64) -> impl Iterator<Item = Frame> {
-    FRAMES.into_iter().skip(if hand < 0.0 { 24 } else { 0 }).take(24)
+    let even = [[0, 1, 2], [1, 2, 0], [2, 0, 1]].map(|order| (order, hand));
+    let odd = [[0, 2, 1], [1, 0, 2], [2, 1, 0]].map(|order| (order, -hand));
+    even.into_iter().chain(odd).flat_map(|([a, b, c], hand)| {
+        [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(|[x, y]| [(a, x), (b, y), (c, x * y * hand)])
+    })
 }
 
 /// The magnetometer's axes for a frame of the rates, or their mirror: what has fewer signs turned.
@@ -386,7 +348,8 @@ mod tests {
             }
             let solved = rows.svd(true, true).solve(&right, 1e-12).unwrap();
             let expected = (rows * solved - right).norm_squared();
-            assert!((turning.left(frame) / expected - 1.0).abs() < 1e-4, "{} {expected}", turning.left(frame));
+            let (left, _) = turning.fit(frame);
+            assert!((left / expected - 1.0).abs() < 1e-4, "{left} {expected}");
         }
     }
 }
