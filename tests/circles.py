@@ -45,7 +45,6 @@ FLOORS = {
         "paper": "answer",
         "aided": "answer",
         "adaptive": "answer",
-        "tunings": "aided adaptive",
         "figures": "answer paper",
     },
     "rust/magcomp/src/estimator/paper/mod.rs": {

@@ -20,8 +20,9 @@ use crate::calibration::Calibration;
 use crate::config::{Config, Method, validate_heading};
 use crate::coverage::{Coverage, Guidance};
 use crate::ellipsoid::EllipsoidFit;
-use crate::estimator::Estimator;
 use crate::estimator::answer::{Answer, Counted};
+use crate::estimator::paper::Windowed;
+use crate::estimator::{Estimator, Ours};
 use crate::explanation::Explanation;
 use crate::heading::HeadingConfig;
 use crate::north::North;
@@ -223,13 +224,15 @@ impl Compensator {
         let (status, mut answer) = self.estimator.push(&sample, &paired);
         answer.up = answer.up.filter(|_| !self.has_wrong_up());
         self.note(&sample, &answer);
-        if let (Status::Tracking, Some(up_m_s2), Some(previous_ns)) = (status, up_m_s2, previous_ns) {
-            self.see_dip(&answer, &up_m_s2, seconds(previous_ns, sample.time_ns));
+        let since_s = previous_ns.map_or(0.0, |previous_ns| seconds(previous_ns, sample.time_ns));
+        if let (Status::Tracking, Some(up_m_s2), Some(field_ut)) = (status, up_m_s2, answer.field_ut)
+            && previous_ns.is_some()
+        {
+            self.dip.see(&(up_m_s2 / GRAVITY_M_S2), &field_ut, since_s);
         }
         self.north.step(sample.time_ns, &mut answer, self.config.heading.declination_deg);
         let reading = self.assemble(sample.time_ns, status, &answer);
         if let (Status::Tracking, Some(heading)) = (status, &reading.heading) {
-            let since_s = previous_ns.map_or(0.0, |previous_ns| seconds(previous_ns, sample.time_ns));
             self.belief.see_dip(heading, since_s);
         }
         reading
@@ -271,7 +274,7 @@ impl Compensator {
                 paired.up_m_s2 = None;
             }
         }
-        self.stream.see(&paired, dt_s);
+        self.stream.repeats.see(&paired, dt_s);
         let Some(Rotation { increment_rad, variance_rad2: bridged_rad2, .. }) = rotation else {
             self.break_chain();
             return paired;
@@ -303,12 +306,6 @@ impl Compensator {
         self.tuning.gravity_axes && self.dip.has_other_axes() && !self.is_gyroscope_contradicted()
     }
 
-    fn see_dip(&mut self, answer: &Answer, up_m_s2: &Vector3<f64>, span_s: f64) {
-        if let Some(field_ut) = answer.field_ut {
-            self.dip.see(&(up_m_s2 / GRAVITY_M_S2), &field_ut, span_s);
-        }
-    }
-
     /// Why a sample is refused whose field does not turn with a gyroscope that gravity does turn with.
     fn wrong_axes(&mut self) -> Option<RejectReason> {
         let axes = self.turning.verdict().axes.filter(|_| self.tuning.field_axes && !self.axes.is_contradicted());
@@ -336,8 +333,8 @@ impl Compensator {
 
     /// What the estimator knows of the gyroscope tells the pairing.
     fn note_gyroscope(&mut self) {
-        if let Some(gyroscope) = self.estimator.gyroscope() {
-            self.pairing.assume(gyroscope.bias_rad_s, gyroscope.scale.diagonal());
+        if let Some((bias_rad_s, scale)) = self.estimator.gyroscope() {
+            self.pairing.assume(bias_rad_s, scale.diagonal());
         }
     }
 
@@ -376,13 +373,13 @@ impl Compensator {
     /// M, b and field strength in force, if any.
     #[must_use]
     pub fn calibration(&self) -> Option<Calibration> {
-        self.estimator.calibration()
+        self.estimator.known().calibration
     }
 
     /// Covariance of [b_x b_y b_z (uT), m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless)] in force, if known.
     #[must_use]
     pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {
-        self.estimator.covariance()
+        self.estimator.known().covariance
     }
 
     /// The latest ellipsoid fit that was accepted. None for the aided and the adaptive method, which make none.
@@ -416,9 +413,10 @@ impl Compensator {
 /// The estimator of a config.
 fn estimator(config: &Config, tunings: Tunings) -> Estimator {
     let (windowed, strength_ut) = (config.windowed, config.field_strength_ut);
+    let of_paper = |is_constant| Estimator::Windowed(Windowed::new(is_constant, windowed, strength_ut));
     match config.method {
-        Method::Auto | Method::Aided | Method::Adaptive => Estimator::ours(tunings.estimators, strength_ut, windowed),
-        Method::Windowed => Estimator::windowed(false, windowed, strength_ut),
-        Method::Constant => Estimator::windowed(true, windowed, strength_ut),
+        Method::Windowed => of_paper(false),
+        Method::Constant => of_paper(true),
+        _ => Estimator::Ours(Ours::new(tunings.adaptive, tunings.aided, strength_ut, windowed)),
     }
 }

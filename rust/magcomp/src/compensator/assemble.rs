@@ -53,12 +53,6 @@ impl Pointing {
 }
 
 impl Compensator {
-    /// With the declination that headings from outside have shown, where none is set.
-    fn heading_config(&self) -> HeadingConfig {
-        let found = || self.north.declination_deg().map(|(declination_deg, _)| declination_deg);
-        HeadingConfig { declination_deg: self.config.heading.declination_deg.or_else(found), ..self.config.heading }
-    }
-
     /// The reading of a sample.
     pub(super) fn assemble(&self, time_ns: i64, status: Status, answer: &Answer) -> Reading {
         // without a gyroscope nobody else carries the vertical
@@ -69,7 +63,9 @@ impl Compensator {
         let tilt_sigma_deg = hypot(self.config.heading.tilt_sigma_deg, motion_rad2.sqrt().to_degrees());
         let by_field = Pointing::of(answer, up, tilt_sigma_deg);
         let by_north = answer.north.and_then(|known| Pointing::to(&known, self.config.heading.tilt_sigma_deg));
-        let heading = |it: &Pointing| it.heading(&self.heading_config());
+        // with the declination that headings from outside have shown, where none is set
+        let declination_deg = self.config.heading.declination_deg.or_else(|| Some(self.north.declination_deg()?.0));
+        let heading = |it: &Pointing| it.heading(&HeadingConfig { declination_deg, ..self.config.heading });
         let own = by_field.as_ref().and_then(heading);
         let told = by_north.as_ref().and_then(heading);
         // a north from outside knows nothing of the field's dip

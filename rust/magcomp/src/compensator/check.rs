@@ -8,7 +8,6 @@ use super::repeats::Repeats;
 use super::tuning::Tuning;
 use crate::reading::{Axis, RejectReason};
 use crate::sample::{MagneticSample, seconds};
-use crate::sensing::pairing::PairedInertial;
 use nalgebra::Vector3;
 
 /// Limit: largest step ahead in time, s: a week is longer than an app's pause, and shorter than the jump of a time in the wrong unit.
@@ -18,7 +17,7 @@ const LONGEST_GAP_S: f64 = 604_800.0;
 #[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub(super) struct Stream {
     latest: Option<MagneticSample>,
-    repeats: Repeats,
+    pub repeats: Repeats,
     rails: Rails,
     /// Samples in a row that were rejected for their time but follow one another, and the time of the latest, ns.
     astray: u32,
@@ -45,11 +44,6 @@ impl Stream {
         let previous = self.latest.replace(sample);
         self.repeats.count(previous.is_some_and(|previous| previous.field_ut == sample.field_ut));
         previous.map(|previous| previous.time_ns)
-    }
-
-    /// What the other sensors say with the latest sample, and the time since the one before, s.
-    pub fn see(&mut self, paired: &PairedInertial, span_s: f64) {
-        self.repeats.see(paired, span_s);
     }
 
     /// A sample's field is of no use, but its time is; the time of the one before, ns.

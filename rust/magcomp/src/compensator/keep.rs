@@ -61,11 +61,9 @@ impl Compensator {
         self.stand_in.pause();
         self.break_chain();
         self.north.pause();
-        let Some(given) = self.estimator.in_force() else { return Ok(()) };
-        let kept = KeptCalibration::learned(given.calibration, given.covariance, self.belief.inclination_deg, 0);
-        if let Some(kept) = kept.filter(|_| self.belief.has_learned) {
+        if let Some(kept) = self.keep(0) {
             self.belief.adopted = Some(Adopted::new(&kept, Some(hidden_s as i64)));
-            self.begin_from(Some(given));
+            self.begin_from(self.estimator.in_force());
         }
         Ok(())
     }

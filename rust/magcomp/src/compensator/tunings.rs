@@ -1,14 +1,14 @@
 //! The choices and switches of all parts, by name, for `magcomp sensitivity`.
 
 use super::tuning::Tuning;
-use crate::estimator::EstimatorTunings;
 use crate::estimator::{adaptive, aided};
 use crate::tuning::{Choice, Mechanism};
 
 /// The choices of every estimator, and the switches of every part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Tunings {
-    pub(crate) estimators: EstimatorTunings,
+    pub(super) adaptive: adaptive::Tuning,
+    pub(super) aided: aided::Tuning,
     pub(super) compensator: Tuning,
 }
 
@@ -30,8 +30,8 @@ impl Tunings {
     /// Switches a mechanism off; whether there is one of that name.
     pub fn switch_off(&mut self, part: &str, name: &str) -> bool {
         match part {
-            "adaptive" => self.estimators.adaptive.switch_off(name),
-            "aided" => self.estimators.aided.switch_off(name),
+            "adaptive" => self.adaptive.switch_off(name),
+            "aided" => self.aided.switch_off(name),
             "compensator" => self.compensator.switch_off(name),
             _ => false,
         }
@@ -40,8 +40,8 @@ impl Tunings {
     /// Sets a choice; whether there is one of that name.
     pub fn set(&mut self, estimator: &str, name: &str, value: f64) -> bool {
         match estimator {
-            "adaptive" => self.estimators.adaptive.set(name, value),
-            "aided" => self.estimators.aided.set(name, value),
+            "adaptive" => self.adaptive.set(name, value),
+            "aided" => self.aided.set(name, value),
             _ => false,
         }
     }

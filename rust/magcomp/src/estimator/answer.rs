@@ -1,9 +1,9 @@
 //! What an estimator says of a sample. It is finished: the compensator adds heading and attitude, and changes nothing.
 
-use crate::calibration::Calibration;
-use crate::priors::DAYS_UT;
+use crate::calibration::{Calibration, Given, independent};
+use crate::priors::{DAYS_UT, IRON_PER_UT};
 use crate::reading::{Event, ModelOrder, SensorMode};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// A change of the device that moves b by less is no event, uT: from day to day b moves as far.
 pub(crate) const LEAST_TOLD_UT: f64 = 2.0 * DAYS_UT;
@@ -64,6 +64,20 @@ pub(crate) struct Counted<'a> {
     pub through: Option<&'a Calibration>,
     /// Over so many of the latest samples.
     pub samples: usize,
+}
+
+/// A calibration, and its covariance where that is known.
+pub(crate) struct Known {
+    pub calibration: Option<Calibration>,
+    pub covariance: Option<SMatrix<f64, 9, 9>>,
+}
+
+impl Known {
+    /// As sure as the covariance says, or as usual.
+    pub fn in_force(self) -> Option<Given> {
+        let usual = || independent(DAYS_UT.powi(2), (IRON_PER_UT * DAYS_UT).powi(2));
+        Some(Given { calibration: self.calibration?, covariance: self.covariance.unwrap_or_else(usual) })
+    }
 }
 
 impl Answer {

@@ -1,27 +1,22 @@
 //! Figures of our estimators that are formed anew once a second, since they cost more than a sample may: (15) sigma_T over the latest
 //! N_min samples, and the predicted error of a corrected direction. Both are of the calibration that is in force then.
 
-use super::answer::{Answer, Counted};
+use super::answer::{Answer, Counted, Known};
 use super::paper::{WindowedConfig, evenness};
 use crate::calibration::Calibration;
 use crate::ellipsoid::direction_sigma_deg;
 use crate::priors::STEP_S;
 use crate::room::Roomy;
 use crate::sample::{MagneticSample, seconds};
-use nalgebra::{SMatrix, Vector3};
+use nalgebra::Vector3;
 use std::collections::VecDeque;
+use std::mem::take;
 
 /// Time after which they are formed anew, s: a display of them can be read that often.
 const ANEW_S: f64 = 2.0 * STEP_S;
 
-/// A calibration, and its covariance where that is known.
-pub(super) struct InForce {
-    pub calibration: Option<Calibration>,
-    pub covariance: Option<SMatrix<f64, 9, 9>>,
-}
-
 /// See the module.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Figures {
     config: WindowedConfig,
     /// The latest N_min samples, oldest first.
@@ -39,23 +34,13 @@ pub(super) struct Figures {
 impl Figures {
     /// All memory is taken here.
     pub fn new(config: WindowedConfig) -> Self {
-        let latest = Roomy::<VecDeque<_>>::new(config.n_min);
-        Self {
-            config,
-            latest,
-            samples: 0,
-            formed_ns: None,
-            calibration: None,
-            sigma_t: None,
-            direction_sigma_deg: None,
-        }
+        Self { config, latest: Roomy::<VecDeque<_>>::new(config.n_min), ..Self::default() }
     }
 
     /// As new, in the memory that is there.
     pub fn restart(&mut self) {
         self.latest.clear();
-        (self.samples, self.formed_ns, self.calibration) = (0, None, None);
-        (self.sigma_t, self.direction_sigma_deg) = (None, None);
+        *self = Self { config: self.config, latest: take(&mut self.latest), ..Self::default() };
     }
 
     /// A calibration was given.
@@ -68,17 +53,20 @@ impl Figures {
         Counted { through: self.calibration.as_ref(), samples: self.samples.min(self.config.n_max) }
     }
 
-    /// Puts the figures into the answer to a sample; now and then `in_force` is asked.
-    pub fn finish(&mut self, answer: &mut Answer, sample: &MagneticSample, in_force: impl FnOnce() -> InForce) {
-        let is_due = self.formed_ns.is_none_or(|formed_ns| seconds(formed_ns, sample.time_ns).abs() >= ANEW_S);
+    /// Whether they are formed anew at a sample of this time.
+    pub fn is_due(&self, time_ns: i64) -> bool {
+        self.formed_ns.is_none_or(|formed_ns| seconds(formed_ns, time_ns).abs() >= ANEW_S)
+    }
+
+    /// Puts the figures into the answer to a sample; of what is known they are formed anew.
+    pub fn finish(&mut self, answer: &mut Answer, sample: &MagneticSample, known: Option<Known>) {
         self.samples = self.samples.saturating_add(1);
         if self.latest.len() == self.config.n_min {
             self.latest.pop_front();
         }
         self.latest.push_back(sample.field_ut);
-        if is_due {
+        if let Some(Known { calibration, covariance }) = known {
             self.formed_ns = Some(sample.time_ns);
-            let InForce { calibration, covariance } = in_force();
             self.look_through(calibration);
             let enough = self.calibration.filter(|_| self.latest.len() == self.config.n_min);
             self.sigma_t = enough.map(|it| evenness(self.latest.iter().rev(), &it, self.config.normalisation).sigma_t);

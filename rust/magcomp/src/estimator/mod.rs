@@ -6,20 +6,17 @@ pub(crate) mod answer;
 mod figures;
 mod ours;
 pub(crate) mod paper;
-mod tunings;
 
-use crate::calibration::{Calibration, Given, independent};
+use crate::calibration::Given;
 use crate::ellipsoid::EllipsoidFit;
 use crate::explanation::Explanation;
-use crate::priors::{DAYS_UT, IRON_PER_UT};
 use crate::reading::Status;
 use crate::sample::MagneticSample;
 use crate::sensing::pairing::PairedInertial;
-use answer::{Answer, Counted};
-use nalgebra::SMatrix;
-use ours::{GyroscopeErrors, Ours};
-use paper::{Windowed, WindowedConfig};
-pub(crate) use tunings::EstimatorTunings;
+use answer::{Answer, Counted, Known};
+use nalgebra::{Matrix3, Vector3};
+pub(crate) use ours::Ours;
+use paper::Windowed;
 
 /// The estimator that a config asks for.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -30,16 +27,6 @@ pub(crate) enum Estimator {
 }
 
 impl Estimator {
-    /// Ours, in a field of this strength (uT) where it is known, for a validated config. All memory is taken here.
-    pub fn ours(tunings: EstimatorTunings, strength_ut: Option<f64>, windowed: WindowedConfig) -> Self {
-        Self::Ours(Ours::new(tunings, strength_ut, windowed))
-    }
-
-    /// The paper's: the same, and whether its first good fit is kept.
-    pub fn windowed(is_constant: bool, windowed: WindowedConfig, strength_ut: Option<f64>) -> Self {
-        Self::Windowed(Windowed::new(is_constant, windowed, strength_ut))
-    }
-
     /// As new, in the memory that is there.
     pub fn restart(&mut self) {
         match self {
@@ -56,20 +43,15 @@ impl Estimator {
         }
     }
 
-    /// The gyroscope is there now (or no longer), and whether it is contradicted: whether it is another estimator's turn. One that comes begins from
-    /// what is in force, as `given` makes it.
+    /// As of [`Ours`].
     pub fn follow_gyroscope(
         &mut self,
         is_there: bool,
         is_contradicted: bool,
         given: impl FnOnce(Given) -> Given,
     ) -> bool {
-        match self {
-            Self::Ours(ours) => ours.follow_gyroscope(is_there, is_contradicted, |ours| {
-                in_force(ours.untouched(), ours.calibration(), ours.covariance()).map(given)
-            }),
-            Self::Windowed(_) => false,
-        }
+        let Self::Ours(ours) = self else { return false };
+        ours.follow_gyroscope(is_there, is_contradicted, given)
     }
 
     /// One sample that was checked, with what the other sensors said.
@@ -90,24 +72,20 @@ impl Estimator {
         if let Self::Ours(ours) = self { ours.carry(time_ns, paired) } else { Answer::default() }
     }
 
-    pub fn calibration(&self) -> Option<Calibration> {
+    /// Of the estimator that answers.
+    pub fn known(&self) -> Known {
         match self {
-            Self::Ours(ours) => ours.calibration(),
-            Self::Windowed(windowed) => windowed.calibration(),
-        }
-    }
-
-    pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {
-        match self {
-            Self::Ours(ours) => ours.covariance(),
-            Self::Windowed(windowed) => windowed.fit().map(|fit| fit.covariance),
+            Self::Ours(ours) => ours.known(),
+            Self::Windowed(windowed) => windowed.known(),
         }
     }
 
     /// The calibration in force, and how well it is known.
     pub fn in_force(&self) -> Option<Given> {
-        let untouched = if let Self::Ours(ours) = self { ours.untouched() } else { None };
-        in_force(untouched, self.calibration(), self.covariance())
+        match self {
+            Self::Ours(ours) => ours.in_force(),
+            Self::Windowed(windowed) => windowed.known().in_force(),
+        }
     }
 
     /// Whether the calibration in force was learned from live samples.
@@ -131,8 +109,8 @@ impl Estimator {
         }
     }
 
-    /// What is known of the gyroscope, while it is in use.
-    pub fn gyroscope(&self) -> Option<GyroscopeErrors> {
+    /// As of [`Ours`].
+    pub fn gyroscope(&self) -> Option<(Vector3<f64>, Matrix3<f64>)> {
         if let Self::Ours(ours) = self { ours.gyroscope() } else { None }
     }
 
@@ -151,14 +129,4 @@ impl Estimator {
             Self::Windowed(windowed) => windowed.counted(),
         }
     }
-}
-
-/// What was given and not touched; else the calibration, as sure as its covariance says, or as usual.
-fn in_force(
-    untouched: Option<Given>,
-    calibration: Option<Calibration>,
-    covariance: Option<SMatrix<f64, 9, 9>>,
-) -> Option<Given> {
-    let usual = || independent(DAYS_UT.powi(2), (IRON_PER_UT * DAYS_UT).powi(2));
-    untouched.or_else(|| Some(Given { calibration: calibration?, covariance: covariance.unwrap_or_else(usual) }))
 }

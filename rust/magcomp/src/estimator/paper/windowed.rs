@@ -18,7 +18,7 @@ use super::uniformity::{Evenness, evenness};
 use super::window::{Window, window_length};
 use crate::calibration::{Calibration, UNEVEN_UT, calibration_covariance};
 use crate::ellipsoid::{EllipsoidFit, FitError};
-use crate::estimator::answer::{Answer, Counted};
+use crate::estimator::answer::{Answer, Counted, Known};
 use crate::explanation::{EXPLAINED_HYPOTHESES, Estimator, EstimatorPhase, Explanation, NoiseLevels, SampleUse};
 use crate::reading::{HoldReason, Missing, Status};
 use crate::sample::MagneticSample;
@@ -69,8 +69,8 @@ impl Windowed {
         self.state.calibration = calibration.or(self.state.calibration);
     }
 
-    pub fn calibration(&self) -> Option<Calibration> {
-        self.state.calibration
+    pub fn known(&self) -> Known {
+        Known { calibration: self.state.calibration, covariance: self.state.fit.map(|fit| fit.covariance) }
     }
 
     /// The latest fit that was accepted.
@@ -86,12 +86,12 @@ impl Windowed {
     /// One sample, and what gravity says with it, m/s^2.
     pub fn push(&mut self, sample: &MagneticSample, up_m_s2: Option<Vector3<f64>>) -> (Status, Answer) {
         let evenness = self.enter(&sample.field_ut);
-        let status = self.update(evenness.map(|it| it.sigma_t));
+        let sigma_t = evenness.map(|it| it.sigma_t);
+        let status = self.update(sigma_t);
         let is_suspect = evenness.is_some_and(|it| it.spread > Tuning::USED.suspect_spread);
         let suspect_since_ns = is_suspect.then(|| self.state.suspect_since_ns.unwrap_or(sample.time_ns));
         self.state.suspect_since_ns = suspect_since_ns;
         let status = suspect_since_ns.map_or(status, |since_ns| Status::Suspect { since_ns });
-        let sigma_t = evenness.map(|it| it.sigma_t);
         (status, Answer { sigma_t, ..self.answer(&sample.field_ut) }.without_gyroscope(up_m_s2))
     }
 

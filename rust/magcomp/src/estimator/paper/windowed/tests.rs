@@ -104,7 +104,7 @@ fn the_constant_method_keeps_its_first_good_fit() {
         let (status, _) = push(&mut windowed, k, truth(iron()).distort(&field_ut(k)) + noise_ut(k) * 3.6);
         assert_eq!(matches!(status, Status::Collecting(_)), k < 59, "{k}: {status:?}");
     }
-    assert!(windowed.fit().unwrap().direction_sigma_deg > 1.0 && windowed.calibration().is_some());
+    assert!(windowed.fit().unwrap().direction_sigma_deg > 1.0 && windowed.known().calibration.is_some());
 }
 
 /// J P J^T by finite differences, white noise through W, and 1.3 uT of a room's unevenness.
@@ -157,7 +157,7 @@ fn a_change_within_the_window_cuts_it_to_its_latest_samples() {
     }
     assert!(refused && suspected.is_some_and(|since_ns| (600_000_000..=620_000_000).contains(&since_ns)));
     assert_eq!(shortest, 20);
-    assert!((windowed.calibration().unwrap().hard_iron_ut() - moved.hard_iron_ut()).norm() < 1e-3);
+    assert!((windowed.known().calibration.unwrap().hard_iron_ut() - moved.hard_iron_ut()).norm() < 1e-3);
 }
 
 /// A fit that was refused is tried again ten samples later.
