@@ -75,6 +75,14 @@ pub use tunings::Tunings;
 pub struct Compensator {
     config: Config,
     tuning: Tuning,
+    estimator: Box<Estimator>,
+    guidance: Guidance,
+    state: State,
+}
+
+/// What is carried from sample to sample, but for that which has memory of its own.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+struct State {
     stream: Stream,
     pairing: InertialPairing,
     presence: Presence,
@@ -87,8 +95,6 @@ pub struct Compensator {
     has_wrong_axes: bool,
     tilt: Tilt,
     belief: Belief,
-    estimator: Box<Estimator>,
-    guidance: Guidance,
     north: North,
     stand_in: StandIn,
     mode: SensorMode,
@@ -112,23 +118,10 @@ impl Compensator {
     pub fn tuned(config: Config, tunings: Tunings) -> Result<Self, ConfigError> {
         config.validate()?;
         let mut it = Self {
-            stream: Stream::default(),
-            pairing: InertialPairing::default(),
-            presence: Presence::default(),
-            frame: Frame::default(),
-            axes: Axes::default(),
-            turning: Turning::default(),
-            dip: Dip::default(),
-            has_wrong_axes: false,
-            tilt: Tilt::default(),
-            belief: Belief::default(),
             estimator: Box::new(estimator(&config, tunings)),
             tuning: tunings.compensator,
             guidance: Guidance::new(config.windowed.n_max, config.field_strength_ut),
-            north: North::default(),
-            stand_in: StandIn::default(),
-            mode: SensorMode::default(),
-            event: None,
+            state: State::default(),
             config,
         };
         it.adopt_initial();
@@ -137,21 +130,9 @@ impl Compensator {
 
     /// Forgets everything but the config.
     pub fn reset(&mut self) {
-        self.stream = Stream::default();
-        self.pairing = InertialPairing::default();
-        self.presence = Presence::default();
-        self.frame = Frame::default();
-        self.axes = Axes::default();
-        self.turning = Turning::default();
-        self.dip = Dip::default();
-        self.has_wrong_axes = false;
-        self.tilt = Tilt::default();
-        self.belief = Belief::default();
         self.estimator.restart();
         self.guidance.restart();
-        self.north = North::default();
-        self.stand_in = StandIn::default();
-        (self.mode, self.event) = (SensorMode::default(), None);
+        self.state = State::default();
         self.adopt_initial();
     }
 
@@ -176,8 +157,8 @@ impl Compensator {
     /// # Errors
     /// [`EventRejection`] says why it was not taken; nothing has changed then.
     pub fn push_rotation_rate(&mut self, sample: RotationRateSample) -> Result<(), EventRejection> {
-        self.pairing.push_rotation_rate(sample.time_ns, sample.rate_rad_s)?;
-        self.stand_in.hear_gyroscope(sample.time_ns);
+        self.state.pairing.push_rotation_rate(sample.time_ns, sample.rate_rad_s)?;
+        self.state.stand_in.hear_gyroscope(sample.time_ns);
         Ok(())
     }
 
@@ -186,7 +167,7 @@ impl Compensator {
     /// # Errors
     /// [`EventRejection`] says why it was not taken; nothing has changed then.
     pub fn push_up(&mut self, sample: UpSample) -> Result<(), EventRejection> {
-        self.pairing.push_up(sample.time_ns, sample.up_m_s2)
+        self.state.pairing.push_up(sample.time_ns, sample.up_m_s2)
     }
 
     /// A raw magnetometer event. A sample that can't be used comes back with `Status::Rejected` and changes nothing; but 50
@@ -201,15 +182,15 @@ impl Compensator {
             {
                 return self.carry(sample.time_ns, reason);
             }
-            Err(reason) if self.stream.stray(sample.time_ns, reason) => self.begin_another_clock(),
+            Err(reason) if self.state.stream.stray(sample.time_ns, reason) => self.begin_another_clock(),
             Err(reason) => return self.rejected(sample.time_ns, reason),
         }
-        let previous_ns = self.stream.accept(sample);
+        let previous_ns = self.state.stream.accept(sample);
         let mut paired = self.pair(sample.time_ns, previous_ns, Some(&sample.field_ut));
         if let Some(up) = paired.up_m_s2 {
-            self.tilt.step(sample.time_ns, &up, &sample.field_ut);
+            self.state.tilt.step(sample.time_ns, &up, &sample.field_ut);
         }
-        let were_wrong = self.has_wrong_axes;
+        let were_wrong = self.state.has_wrong_axes;
         if let Some(reason) = self.wrong_axes() {
             return self.rejected(sample.time_ns, reason);
         }
@@ -228,12 +209,12 @@ impl Compensator {
         if let (Status::Tracking, Some(up_m_s2), Some(field_ut)) = (status, up_m_s2, answer.field_ut)
             && previous_ns.is_some()
         {
-            self.dip.see(&(up_m_s2 / GRAVITY_M_S2), &field_ut, since_s);
+            self.state.dip.see(&(up_m_s2 / GRAVITY_M_S2), &field_ut, since_s);
         }
-        self.north.step(sample.time_ns, &mut answer, self.config.heading.declination_deg);
+        self.state.north.step(sample.time_ns, &mut answer, self.config.heading.declination_deg);
         let reading = self.assemble(sample.time_ns, status, &answer);
         if let (Status::Tracking, Some(heading)) = (status, &reading.heading) {
-            self.belief.see_dip(heading, since_s);
+            self.state.belief.see_dip(heading, since_s);
         }
         reading
     }
@@ -243,8 +224,8 @@ impl Compensator {
     /// # Errors
     /// [`RejectReason`] says why it would not.
     pub fn check(&self, sample: &MagneticSample) -> Result<(), RejectReason> {
-        let is_told = self.pairing.hears(sample.time_ns);
-        self.stream.check(sample, self.config.range_ut, self.config.rail_ut, &self.tuning, is_told)
+        let is_told = self.state.pairing.hears(sample.time_ns);
+        self.state.stream.check(sample, self.config.range_ut, self.config.rail_ut, &self.tuning, is_told)
     }
 
     /// The estimator that the sensors allow takes over, from the calibration in force; whether that is the aided one.
@@ -252,9 +233,9 @@ impl Compensator {
         if !matches!(self.config.method, Method::Auto | Method::Aided) {
             return false;
         }
-        let Some(is_there) = self.presence.is_there(time_ns, previous_ns) else { return false };
-        let belief = &self.belief;
-        let is_there = is_there && !(self.tuning.axes && self.axes.is_dead());
+        let Some(is_there) = self.state.presence.is_there(time_ns, previous_ns) else { return false };
+        let belief = &self.state.belief;
+        let is_there = is_there && !(self.tuning.axes && self.state.axes.is_dead());
         let is_contradicted = self.is_gyroscope_contradicted();
         let others =
             self.estimator.follow_gyroscope(is_there, is_contradicted, |given| belief.no_surer_than_usual(given));
@@ -263,32 +244,32 @@ impl Compensator {
 
     /// What the other sensors say with a sample, and what that tells of the gyroscope: whether it is there, and its axes are sound.
     fn pair(&mut self, time_ns: i64, previous_ns: Option<i64>, field_ut: Option<&Vector3<f64>>) -> PairedInertial {
-        let mut paired = self.pairing.pair(time_ns);
-        self.presence.see(time_ns, previous_ns, paired.rotation.is_some());
+        let mut paired = self.state.pairing.pair(time_ns);
+        self.state.presence.see(time_ns, previous_ns, paired.rotation.is_some());
         let dt_s = previous_ns.map_or(0.0, |previous_ns| seconds(previous_ns, time_ns));
         let rotation = paired.rotation.filter(|_| previous_ns.is_some());
         if let (Some(rotation), Some(up_m_s2)) = (&rotation, &paired.up_m_s2) {
-            self.axes.read(rotation, dt_s, up_m_s2);
-            if self.tuning.hanging && self.axes.is_gravity_frozen() {
+            self.state.axes.read(rotation, dt_s, up_m_s2);
+            if self.tuning.hanging && self.state.axes.is_gravity_frozen() {
                 // the gyroscope carries on where up is
                 paired.up_m_s2 = None;
             }
         }
-        self.stream.repeats.see(&paired, dt_s);
+        self.state.stream.repeats.see(&paired, dt_s);
         let Some(Rotation { increment_rad, variance_rad2: bridged_rad2, .. }) = rotation else {
             self.break_chain();
             return paired;
         };
         let up_m_s2 = paired.up_m_s2;
         let piece = Piece { increment_rad, dt_s, bridged_rad2, raw_ut: field_ut.copied(), late_s: 0.0, up_m_s2 };
-        if let Some(Whole { raw_ut, up_m_s2, between_rad, length_s, .. }) = self.frame.add(&piece, false) {
+        if let Some(Whole { raw_ut, up_m_s2, between_rad, length_s, .. }) = self.state.frame.add(&piece, false) {
             match up_m_s2 {
-                Some(up_m_s2) => self.axes.see(&up_m_s2, &between_rad, length_s),
-                None => self.axes.pause(),
+                Some(up_m_s2) => self.state.axes.see(&up_m_s2, &between_rad, length_s),
+                None => self.state.axes.pause(),
             }
             match raw_ut {
-                Some(raw_ut) => self.turning.see(&raw_ut, &between_rad, length_s),
-                None => self.turning.pause(),
+                Some(raw_ut) => self.state.turning.see(&raw_ut, &between_rad, length_s),
+                None => self.state.turning.pause(),
             }
         }
         paired
@@ -296,27 +277,28 @@ impl Compensator {
 
     /// No turn reaches across this sample.
     fn break_chain(&mut self) {
-        self.frame = Frame::default();
-        self.axes.pause();
-        self.turning.pause();
+        self.state.frame = Frame::default();
+        self.state.axes.pause();
+        self.state.turning.pause();
     }
 
     /// Whether the angle between gravity and the corrected field tells that their axes differ. The gyroscope carries nothing that was wrong.
     fn has_wrong_up(&self) -> bool {
-        self.tuning.gravity_axes && self.dip.has_other_axes() && !self.is_gyroscope_contradicted()
+        self.tuning.gravity_axes && self.state.dip.has_other_axes && !self.is_gyroscope_contradicted()
     }
 
     /// Why a sample is refused whose field does not turn with a gyroscope that gravity does turn with.
     fn wrong_axes(&mut self) -> Option<RejectReason> {
-        let axes = self.turning.verdict().axes.filter(|_| self.tuning.field_axes && !self.axes.is_contradicted());
-        self.has_wrong_axes = axes.is_some();
+        let axes =
+            self.state.turning.verdict.axes.filter(|_| self.tuning.field_axes && !self.state.axes.is_contradicted);
+        self.state.has_wrong_axes = axes.is_some();
         axes.map(|[x, y, z]| RejectReason::Axes { x, y, z })
     }
 
     /// Whether neither gravity nor the field turns as the gyroscope says.
     fn is_gyroscope_contradicted(&self) -> bool {
-        let consents = !self.tuning.vouching || self.turning.verdict().contradicts;
-        self.tuning.axes && self.axes.is_contradicted() && consents
+        let consents = !self.tuning.vouching || self.state.turning.verdict.contradicts;
+        self.tuning.axes && self.state.axes.is_contradicted && consents
     }
 
     /// What an answer tells the other parts.
@@ -324,30 +306,30 @@ impl Compensator {
         let Counted { through, samples } = self.estimator.counted();
         self.guidance.see(&sample.field_ut, through, samples);
         self.note_gyroscope();
-        self.mode = answer.mode;
-        self.event = answer.event.or(self.event);
+        self.state.mode = answer.mode;
+        self.state.event = answer.event.or(self.state.event);
         if self.estimator.has_learned() {
-            self.belief.learn();
+            self.state.belief.learn();
         }
     }
 
     /// What the estimator knows of the gyroscope tells the pairing.
     fn note_gyroscope(&mut self) {
         if let Some((bias_rad_s, scale)) = self.estimator.gyroscope() {
-            self.pairing.assume(bias_rad_s, scale.diagonal());
+            self.state.pairing.assume(bias_rad_s, scale.diagonal());
         }
     }
 
     /// Whether a gyroscope can carry on what is known to this time.
     fn can_carry(&self, time_ns: i64) -> bool {
         matches!(self.config.method, Method::Auto | Method::Aided)
-            && (self.estimator.carries() || self.pairing.turns())
-            && self.stream.check_time(time_ns).is_ok()
+            && (self.estimator.carries() || self.state.pairing.turns())
+            && self.state.stream.check_time(time_ns).is_ok()
     }
 
     /// The field of a sample is of no use: the gyroscope carries on what is known.
     fn carry(&mut self, time_ns: i64, reason: RejectReason) -> Reading {
-        let previous_ns = self.stream.pass(time_ns);
+        let previous_ns = self.state.stream.pass(time_ns);
         let mut paired = self.pair(time_ns, previous_ns, None);
         if self.hand_over(time_ns, previous_ns) {
             paired.rotation = None;
@@ -355,19 +337,19 @@ impl Compensator {
         let mut answer = self.estimator.carry(time_ns, &paired);
         self.note_gyroscope();
         answer.window = self.estimator.window();
-        self.north.step(time_ns, &mut answer, self.config.heading.declination_deg);
+        self.state.north.step(time_ns, &mut answer, self.config.heading.declination_deg);
         self.assemble(time_ns, Status::Rejected(reason), &answer)
     }
 
     fn rejected(&self, time_ns: i64, reason: RejectReason) -> Reading {
-        let answer = Answer { mode: self.mode, window: self.estimator.window(), ..Answer::default() };
+        let answer = Answer { mode: self.state.mode, window: self.estimator.window(), ..Answer::default() };
         self.assemble(time_ns, Status::Rejected(reason), &answer)
     }
 
     /// Gaps so far: of the gyroscope while it was in use, of samples, and those that were told by [`Self::push_gap`].
     #[must_use]
     pub fn gaps(&self) -> u64 {
-        self.presence.gaps()
+        self.state.presence.gaps
     }
 
     /// M, b and field strength in force, if any.
@@ -391,7 +373,7 @@ impl Compensator {
     /// Which directions the window has seen, for guidance.
     #[must_use]
     pub fn coverage(&self) -> &Coverage {
-        self.guidance.coverage()
+        &self.guidance.coverage
     }
 
     /// Why the latest reading says what it says: innovation, hypotheses and noise levels after the latest sample that was not rejected. It only looks:
@@ -405,7 +387,7 @@ impl Compensator {
     /// ```
     #[must_use]
     pub fn explain(&self) -> Explanation {
-        let outside = self.stream.latest_ns().and_then(|latest_ns| self.north.explain(latest_ns));
+        let outside = self.state.stream.latest_ns().and_then(|latest_ns| self.state.north.explain(latest_ns));
         Explanation { outside, ..self.estimator.explain() }
     }
 }

@@ -109,7 +109,6 @@ pub struct Heading {
 }
 
 choices! {
-    /// The choices.
     Tuning {
         /// Where the right edge rises so far (sine of its elevation) the automatic axis begins to follow the camera
         rise_begin: 0.707, "", "45 deg: tests/host/headings.rs";

@@ -12,7 +12,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Mathematics: what has a smaller sine to the vertical has no heading, for rounding: 1e-6 is 0.2 arc seconds.
 pub(crate) const VERTICAL: f64 = 1e-6;
 
-/// See the module. The axes have length 1.
+/// The axes have length 1.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Level {
     pub east: Vector3<f64>,

@@ -28,12 +28,12 @@ pub struct Mechanism {
 /// Declares a struct of choices: `name: value, "unit", "source";` with the meaning as its doc comment;
 /// and, where there are any, the mechanisms that can be switched off.
 macro_rules! choices {
-    ($(#[doc = $about:literal])+ $name:ident {
+    ($(#[doc = $about:literal])* $name:ident {
         $($(#[doc = $meaning:literal])+ $field:ident: $value:expr, $unit:literal, $source:literal;)+
     } $(mechanisms {
         $($(#[doc = $what:literal])+ $switch:ident;)+
     })?) => {
-        $(#[doc = $about])+
+        $(#[doc = $about])*
         #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
         pub(crate) struct $name {
             $($(#[doc = $meaning])+ pub $field: f64,)+

@@ -27,13 +27,7 @@ use crate::strength::STRONGEST_AXIS_UT;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector3};
 
 /// Choice: sizes of changes, each twice the one before: from twice what b moves in days, 4 uT, to beyond the largest, 512 uT.
-const SIZES: usize = {
-    let mut sizes = 1;
-    while DAYS_UT * ((1 << sizes) as f64) < BEYOND_CHANCE * LARGEST_UT {
-        sizes += 1;
-    }
-    sizes
-};
+const SIZES: usize = ((BEYOND_CHANCE * LARGEST_UT / DAYS_UT) as u32).next_power_of_two().ilog2() as usize;
 
 type Matrix9 = SMatrix<f64, 9, 9>;
 type Vector9 = SVector<f64, 9>;

@@ -58,13 +58,14 @@ impl Compensator {
         // without a gyroscope nobody else carries the vertical
         let (up, motion_rad2) = match answer.tilt_rad2 {
             Some(tilt_rad2) => (answer.up, tilt_rad2),
-            None => (answer.up.and_then(|_| self.tilt.up()), self.tilt.variance_rad2()),
+            None => (answer.up.and_then(|_| self.state.tilt.up()), self.state.tilt.variance_rad2()),
         };
         let tilt_sigma_deg = hypot(self.config.heading.tilt_sigma_deg, motion_rad2.sqrt().to_degrees());
         let by_field = Pointing::of(answer, up, tilt_sigma_deg);
         let by_north = answer.north.and_then(|known| Pointing::to(&known, self.config.heading.tilt_sigma_deg));
         // with the declination that headings from outside have shown, where none is set
-        let declination_deg = self.config.heading.declination_deg.or_else(|| Some(self.north.declination_deg()?.0));
+        let declination_deg =
+            self.config.heading.declination_deg.or_else(|| Some(self.state.north.declination_deg()?.0));
         let heading = |it: &Pointing| it.heading(&HeadingConfig { declination_deg, ..self.config.heading });
         let own = by_field.as_ref().and_then(heading);
         let told = by_north.as_ref().and_then(heading);
@@ -85,9 +86,9 @@ impl Compensator {
             worst_sigma_deg: answer.worst_sigma_deg,
             model_order: answer.model_order,
             window: answer.window,
-            coverage: self.guidance.coverage().share(),
+            coverage: self.guidance.coverage.share(),
             mode: answer.mode,
-            event: self.event,
+            event: self.state.event,
             status,
         }
     }

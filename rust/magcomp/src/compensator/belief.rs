@@ -9,7 +9,6 @@ use crate::heading::Heading;
 use crate::math::elementary::gain;
 use crate::priors::{DAYS_UT, IRON_PER_UT, SETTLED_S};
 
-/// See the module.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Belief {
     /// What was adopted, until something is learned from live samples.

@@ -22,7 +22,7 @@ impl Compensator {
     /// A calibration of the operating system replaces nothing that was learned. Beside one of another source that no live sample has confirmed
     /// the first such is one more measurement of the hard iron.
     pub fn adopt(&mut self, kept: &KeptCalibration, unix_time_s: Option<i64>) {
-        let belief = &mut self.belief;
+        let belief = &mut self.state.belief;
         if kept.source() == CalibrationSource::System {
             if belief.has_learned {
                 return;
@@ -44,8 +44,8 @@ impl Compensator {
     /// while nothing was learned from live samples: what was adopted is kept where it came from.
     #[must_use]
     pub fn keep(&self, unix_time_s: i64) -> Option<KeptCalibration> {
-        let Given { calibration, covariance } = self.estimator.in_force().filter(|_| self.belief.has_learned)?;
-        KeptCalibration::learned(calibration, covariance, self.belief.inclination_deg, unix_time_s)
+        let Given { calibration, covariance } = self.estimator.in_force().filter(|_| self.state.belief.has_learned)?;
+        KeptCalibration::learned(calibration, covariance, self.state.belief.inclination_deg, unix_time_s)
     }
 
     /// Time passed that the clock of the samples does not show, about so many seconds: the system slept. The device may have been turned,
@@ -56,13 +56,13 @@ impl Compensator {
     /// [`ConfigError`] when `hidden_s` is not a time of up to 1e9 s; nothing has changed then.
     pub fn push_gap(&mut self, hidden_s: f64) -> Result<(), ConfigError> {
         in_range("hidden_s", hidden_s, 0.0..=1e9, "s")?;
-        self.presence.pause();
-        self.pairing.pause();
-        self.stand_in.pause();
+        self.state.presence.pause();
+        self.state.pairing.pause();
+        self.state.stand_in.pause();
         self.break_chain();
-        self.north.pause();
+        self.state.north.pause();
         if let Some(kept) = self.keep(0) {
-            self.belief.adopted = Some(Adopted::new(&kept, Some(hidden_s as i64)));
+            self.state.belief.adopted = Some(Adopted::new(&kept, Some(hidden_s as i64)));
             self.begin_from(self.estimator.in_force());
         }
         Ok(())
@@ -79,14 +79,14 @@ impl Compensator {
 
     /// What live samples say of an adopted calibration, before anything is learned.
     pub(super) fn judge_adopted(&mut self, sample: &MagneticSample, up_m_s2: Option<Vector3<f64>>) {
-        let Some(adopted) = &mut self.belief.adopted else { return };
+        let Some(adopted) = &mut self.state.belief.adopted else { return };
         if adopted.see(sample, up_m_s2.and_then(|up| calm(&up)).as_ref()) {
             self.begin_as_believed();
         }
     }
 
     fn begin_as_believed(&mut self) {
-        let believed = self.belief.adopted.as_ref().and_then(Adopted::believed);
+        let believed = self.state.belief.adopted.as_ref().and_then(Adopted::believed);
         self.begin_from(believed);
     }
 
@@ -98,10 +98,10 @@ impl Compensator {
 
     /// All begins anew, but for the calibration in force.
     pub(super) fn begin_another_clock(&mut self) {
-        let belief = self.belief;
+        let belief = self.state.belief;
         let given = self.estimator.in_force().map(|given| belief.no_surer_than_usual(given));
         self.reset();
-        self.belief = belief;
+        self.state.belief = belief;
         self.begin_from(given);
     }
 }

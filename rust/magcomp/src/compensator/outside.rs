@@ -17,7 +17,7 @@ impl Compensator {
     /// # Errors
     /// [`EventRejection`] says why it was not taken; nothing has changed then.
     pub fn push_heading(&mut self, sample: HeadingSample) -> Result<(), EventRejection> {
-        self.north.push(sample, self.stream.latest_ns())
+        self.state.north.push(sample, self.state.stream.latest_ns())
     }
 
     /// An orientation from outside: a camera's pose. While the gyroscope is missing its turns stand in for it; where its world's y axis points
@@ -30,10 +30,10 @@ impl Compensator {
         if !to_world.coords.iter().all(|it| it.is_finite()) {
             return Err(EventRejection::NotFinite);
         }
-        if self.stream.latest_ns().is_some_and(|latest| seconds(latest, time_ns) > MAX_LEAD_S) {
+        if self.state.stream.latest_ns().is_some_and(|latest| seconds(latest, time_ns) > MAX_LEAD_S) {
             return Err(EventRejection::Ahead);
         }
-        self.stand_in.check(time_ns)?;
+        self.state.stand_in.check(time_ns)?;
         if let Yaw::Absolute { sigma_deg, reference } = yaw {
             let axis = Vector3::ith((to_world.inverse() * Vector3::z()).iamin(), 1.0);
             let pointing = to_world * axis;
@@ -42,7 +42,7 @@ impl Compensator {
             self.push_heading(HeadingSample { time_ns, heading_deg, sigma_deg, reference, axis })?;
         }
         if self.tuning.stand_in {
-            self.stand_in.take(time_ns, to_world, &mut self.pairing);
+            self.state.stand_in.take(time_ns, to_world, &mut self.state.pairing);
         }
         Ok(())
     }
@@ -50,13 +50,13 @@ impl Compensator {
     /// What headings from outside are worth after the latest sample. None where none came in the last two minutes.
     #[must_use]
     pub fn heading_aid(&self) -> Option<HeadingAid> {
-        self.north.aid(self.stream.latest_ns()?)
+        self.state.north.aid(self.state.stream.latest_ns()?)
     }
 
     /// The declination that true headings from outside have shown, degrees, east positive, and its standard deviation. None before the first,
     /// and while `HeadingConfig::declination_deg` is set.
     #[must_use]
     pub fn found_declination_deg(&self) -> Option<(f64, f64)> {
-        self.north.declination_deg().filter(|_| self.config.heading.declination_deg.is_none())
+        self.state.north.declination_deg().filter(|_| self.config.heading.declination_deg.is_none())
     }
 }

@@ -2,20 +2,15 @@
 
 use super::tuning::Tuning;
 
-/// See the module.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Presence {
     /// Time of the latest sample with a rotation, ns.
     rotated_ns: Option<i64>,
-    gaps: u64,
+    /// Gaps so far: of the gyroscope while it was in use, of samples, and those that were told.
+    pub gaps: u64,
 }
 
 impl Presence {
-    /// Gaps so far: of the gyroscope while it was in use, of samples, and those that were told.
-    pub fn gaps(&self) -> u64 {
-        self.gaps
-    }
-
     /// Time passed that no sample shows.
     pub fn pause(&mut self) {
         self.gaps = self.gaps.saturating_add(1);
@@ -68,24 +63,24 @@ mod tests {
             presence.see(k * PERIOD_NS, Some((k - 1) * PERIOD_NS), false);
             assert_eq!(presence.is_there(k * PERIOD_NS, Some((k - 1) * PERIOD_NS)), Some(k <= 100), "{k}");
         }
-        assert_eq!(presence.gaps(), 1);
+        assert_eq!(presence.gaps, 1);
     }
 
     #[test]
     fn a_pause_of_all_sensors_is_no_loss_but_a_gap() {
         let mut presence = present();
         presence.see(5_000_000_000, Some(0), false);
-        assert_eq!((presence.is_there(5_000_000_000, Some(0)), presence.gaps()), (Some(true), 1));
+        assert_eq!((presence.is_there(5_000_000_000, Some(0)), presence.gaps), (Some(true), 1));
     }
 
     #[test]
     fn a_pause_that_is_told_is_a_gap_and_no_gyroscope_is_known_after_it() {
         let mut presence = present();
-        assert_eq!((presence.gaps(), presence.is_there(PERIOD_NS, Some(0))), (0, Some(true)));
+        assert_eq!((presence.gaps, presence.is_there(PERIOD_NS, Some(0))), (0, Some(true)));
         presence.pause();
-        assert_eq!((presence.gaps(), presence.is_there(PERIOD_NS, Some(0))), (1, None));
+        assert_eq!((presence.gaps, presence.is_there(PERIOD_NS, Some(0))), (1, None));
         presence.pause();
-        assert_eq!(presence.gaps(), 2);
+        assert_eq!(presence.gaps, 2);
     }
 
     #[test]

@@ -15,7 +15,6 @@ const REPEATS: u32 = 4;
 /// Choice: where the other axes change by so much about the extreme of this one, it changes by 0.3 uT in a field of 45 uT, two last bits of a sensor, uT.
 const TURNED_UT: f64 = 10.0;
 
-/// See the module.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Rails {
     latest_ut: Option<Vector3<f64>>,

@@ -8,7 +8,6 @@ use crate::sensing::hang::{Turned, hangs};
 use crate::sensing::pairing::PairedInertial;
 use nalgebra::Vector3;
 
-/// See the module.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Repeats {
     /// How many equal samples came in a row before the latest.

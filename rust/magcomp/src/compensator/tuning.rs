@@ -5,7 +5,6 @@ use crate::priors::STEP_S;
 use crate::tuning::choices;
 
 choices! {
-    /// The choices.
     Tuning {
         /// So many samples in a row are no accident: where their times follow one another, but not that of the latest, they are from another
         /// clock; where they are equal, the device rests or the sensor hangs, as noise changes the last digit of most magnetometers sooner

@@ -12,10 +12,10 @@ use std::collections::VecDeque;
 /// Samples from one look for what is too dear for every sample to the next.
 const ANEW_SAMPLES: usize = Tuning::USED.anew_samples as usize;
 
-/// See the module.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Guidance {
-    coverage: Coverage,
+    /// Which directions were seen.
+    pub coverage: Coverage,
     /// Directions are counted as seen through this.
     through: Option<Calibration>,
     /// The latest N_max samples at the most, oldest first, in half the memory.
@@ -49,11 +49,6 @@ impl Guidance {
         self.latest.clear();
         self.samples = 0;
         self.moments = Moments::new(Vector3::zeros(), self.typical_ut);
-    }
-
-    /// Which directions were seen.
-    pub fn coverage(&self) -> &Coverage {
-        &self.coverage
     }
 
     /// A sample; the calibration that is in force now, and how many of the latest samples count.

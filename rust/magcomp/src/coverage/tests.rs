@@ -106,7 +106,7 @@ fn guidance_looks_from_the_centre_of_the_samples_before_there_is_a_calibration()
     // seen from zero all of them lie in a few cells
     let raw: Vec<_> = fields.iter().map(|field| field + b).collect();
     assert!(share_of(&raw) < 0.2 && share_of(&fields) > 0.5);
-    assert!((guidance.coverage().share() - share_of(&fields)).abs() < 0.05);
+    assert!((guidance.coverage.share() - share_of(&fields)).abs() < 0.05);
 }
 
 #[test]
@@ -115,13 +115,13 @@ fn guidance_sees_anew_through_a_calibration_that_has_moved_and_only_then() {
     let through = |off_ut: f64| Calibration::about(b + Vector3::x() * off_ut, 50.0);
     let mut guidance = Guidance::new(2000, Some(50.0));
     (0..200).for_each(|k| guidance.see(&(turned(k) + b), Some(&through(0.0)), k + 1));
-    let seen = guidance.coverage().clone();
+    let seen = guidance.coverage.clone();
     guidance.look_through(Some(&through(9.9)), 200);
-    assert_eq!(*guidance.coverage(), seen);
+    assert_eq!(guidance.coverage, seen);
     guidance.look_through(Some(&through(10.1)), 200);
     let fields: Vec<_> = (0..200).map(|k| turned(k) - Vector3::x() * 10.1).collect();
-    assert_eq!(guidance.coverage().share(), share_of(&fields));
-    assert_ne!(*guidance.coverage(), seen);
+    assert_eq!(guidance.coverage.share(), share_of(&fields));
+    assert_ne!(guidance.coverage, seen);
 }
 
 #[test]
@@ -131,7 +131,7 @@ fn a_long_rest_before_the_first_calibration_is_forgotten() {
     (0..5000).for_each(|k| guidance.see(&(Vector3::z() * 50.0 + b), None, k.min(499) + 1));
     (0..1000).for_each(|k| guidance.see(&(turned(k) + b), None, 500));
     let fields: Vec<_> = (500..1000).map(turned).collect();
-    assert!((guidance.coverage().share() - share_of(&fields)).abs() < 0.1);
+    assert!((guidance.coverage.share() - share_of(&fields)).abs() < 0.1);
 }
 
 #[test]
@@ -150,9 +150,9 @@ fn the_oldest_sample_that_counts_is_seen_anew_too() {
     let through = |off_ut: f64| Calibration::about(Vector3::x() * off_ut, 50.0);
     let field = |k: usize| if k == 10 { Vector3::z() * -50.0 } else { Vector3::z() * 50.0 };
     (0..30).for_each(|k| guidance.see(&field(k), Some(&through(0.0)), 20));
-    assert_eq!(guidance.coverage().share(), 2.0 / 48.0);
+    assert_eq!(guidance.coverage.share(), 2.0 / 48.0);
     guidance.look_through(Some(&through(10.1)), 20);
-    assert_eq!(guidance.coverage().share(), 2.0 / 48.0);
+    assert_eq!(guidance.coverage.share(), 2.0 / 48.0);
     guidance.look_through(Some(&through(0.0)), 19);
-    assert_eq!(guidance.coverage().share(), 1.0 / 48.0);
+    assert_eq!(guidance.coverage.share(), 1.0 / 48.0);
 }

@@ -3,7 +3,6 @@
 use crate::tuning::choices;
 
 choices! {
-    /// The choices.
     Tuning {
         /// Samples from one look for what is too dear for every sample to the next. Of the latest ten times as many the directions are found anew
         /// when the calibration they are seen through is no longer right: no sample may cost much

@@ -14,7 +14,7 @@ mod tests;
 
 use super::options::{FitOptions, Residual};
 use super::start::{Shape, closed_form};
-use crate::math::descend::{Cost, Derivatives, Descent, Limits, Step, Termination, descend};
+use crate::math::descend::{Cost, Derivatives, Descent, Limits, Step, descend};
 use crate::math::symmetric::{PLACES, six};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
@@ -42,8 +42,9 @@ pub(super) struct Problem {
 /// An ellipsoid, with its cost.
 #[derive(Clone, Debug)]
 pub(super) struct Candidate {
-    shape: Shape,
-    beta: Vector3<f64>,
+    pub shape: Shape,
+    /// The centre.
+    pub beta: Vector3<f64>,
     p: Vector10,
     /// p^T S p / n and p^T B p / n.
     cost: f64,
@@ -53,24 +54,7 @@ pub(super) struct Candidate {
 }
 
 /// A minimum of the problem.
-#[derive(Clone, Debug)]
-pub(super) struct Solution {
-    candidate: Candidate,
-    pub iterations: usize,
-    pub termination: Termination,
-}
-
-impl Solution {
-    /// cost / slope: mean squared distance from the ellipsoid, in scaled units.
-    pub fn distance_squared(&self) -> f64 {
-        (self.candidate.cost / self.candidate.slope).max(0.0)
-    }
-
-    /// The ellipsoid found: (A, its centre beta), scaled units.
-    pub fn ellipsoid(&self) -> (&Matrix3<f64>, &Vector3<f64>) {
-        (&self.candidate.shape.a, &self.candidate.beta)
-    }
-}
+pub(super) type Solution = Descent<Candidate>;
 
 impl Problem {
     /// The minimum, from `warm` where that has the lower cost, else from the closed form.
@@ -88,14 +72,13 @@ impl Problem {
             previous_size = Some(step.size);
             step.size * rho <= options.tolerance
         };
-        let Descent { place: candidate, iterations, termination } = descend(self, start, limits, is_last);
-        Some(Solution { candidate, iterations, termination })
+        Some(descend(self, start, limits, is_last))
     }
 
     /// J^T (S - nu^2 B) J / slope with nu^2 = cost / slope: the information of one sample about y, times nu^2, the noise's own
     /// share taken off. Lower triangle.
-    pub fn information(&self, solution: &Solution) -> Matrix9 {
-        solution.candidate.hessian(&(self.s - self.b * solution.distance_squared())) / solution.candidate.slope
+    pub fn information(&self, at: &Candidate) -> Matrix9 {
+        at.hessian(&(self.s - self.b * at.distance_squared())) / at.slope
     }
 
     /// None where the shape is no ellipsoid.
@@ -141,6 +124,11 @@ impl Cost<9> for Problem {
 }
 
 impl Candidate {
+    /// cost / slope: mean squared distance from the ellipsoid, in scaled units.
+    pub fn distance_squared(&self) -> f64 {
+        (self.cost / self.slope).max(0.0)
+    }
+
     /// Last row of J: d(a.beta - 1)/dy, with beta = A^-1 a.
     fn last_row(&self) -> Vector9 {
         let beta = &self.beta;

@@ -38,7 +38,7 @@ impl Moments {
     /// [`FitError`] when there are too few samples or no ellipsoid.
     pub fn refine(&self, previous: &Calibration, options: &FitOptions) -> Result<Calibration, FitError> {
         let (_, solution) = self.minimum(Some(previous), options)?;
-        self.calibration_of(&solution, options).map(|(calibration, _)| calibration)
+        self.calibration_of(&solution.place, options).map(|(calibration, _)| calibration)
     }
 
     /// The fit of a stream: the iteration starts from `previous` where that has the lower cost, else from the closed form.

@@ -7,12 +7,12 @@
 #[cfg(test)]
 mod tests;
 
-use super::cost::{Problem, Solution};
+use super::cost::{Candidate, Problem, Solution};
 use super::moments::Moments;
 use super::options::{FitError, FitOptions, SMALLEST_SAMPLE_COUNT};
 use super::tuning::Tuning;
 use crate::calibration::Calibration;
-use crate::math::descend::Termination;
+use crate::math::descend::{Descent, Termination};
 use crate::math::elementary::cbrt;
 use crate::math::symmetric::{basis, six};
 use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3};
@@ -49,14 +49,13 @@ impl Moments {
     /// M, b and field strength at a minimum found on these moments.
     pub(super) fn calibration_of(
         &self,
-        solution: &Solution,
+        at: &Candidate,
         options: &FitOptions,
     ) -> Result<(Calibration, Roots), FitError> {
-        let (a, beta) = solution.ellipsoid();
-        let roots = Roots::of(a).ok_or(FitError::NotAnEllipsoid)?;
+        let roots = Roots::of(&at.shape.a).ok_or(FitError::NotAnEllipsoid)?;
         let field = options.field_strength_ut.unwrap_or(self.scale_ut() * roots.radius);
         let soft_iron = roots.t_inverse * (self.scale_ut() / field);
-        let centre = self.centre_ut() + beta * self.scale_ut();
+        let centre = self.centre_ut() + at.beta * self.scale_ut();
         let calibration =
             Calibration::from_symmetric(soft_iron, centre, field).map_err(|_| FitError::NotAnEllipsoid)?;
         Ok((calibration, roots))
@@ -69,18 +68,17 @@ impl Moments {
         solution: &Solution,
         options: &FitOptions,
     ) -> Result<EllipsoidFit, FitError> {
+        let Descent { place: at, iterations, termination } = solution;
         let (count, scale) = (self.count(), self.scale_ut());
         let freedom = count as f64 / count.saturating_sub(SMALLEST_SAMPLE_COUNT).max(1) as f64;
-        let noise_ut = (solution.distance_squared() * freedom).sqrt() * scale;
-        let (calibration, roots) =
-            self.calibration_of(solution, options).map_err(|_| self.why_no_ellipsoid(noise_ut))?;
+        let noise_ut = (at.distance_squared() * freedom).sqrt() * scale;
+        let (calibration, roots) = self.calibration_of(at, options).map_err(|_| self.why_no_ellipsoid(noise_ut))?;
         let field = calibration.field_strength_ut();
         // covariance for noise of one uT: geometry alone
         // nalgebra's factorisation reads the lower triangle alone
-        let information = problem.information(solution) * (count as f64 * scale * scale);
+        let information = problem.information(at) * (count as f64 * scale * scale);
         let cholesky = information.cholesky().ok_or_else(|| self.poorly_covered(f64::INFINITY, noise_ut, options))?;
-        let gradient =
-            roots.parameter_jacobian(solution.ellipsoid().1, scale, scale / field, options.field_strength_ut.is_none());
+        let gradient = roots.parameter_jacobian(&at.beta, scale, scale / field, options.field_strength_ut.is_none());
         let geometry = (gradient * cholesky.inverse() * gradient.transpose()).symmetric_part();
         let deg_per_ut = direction_sigma_deg(&calibration, &geometry);
         let expected_deg = deg_per_ut * noise_ut.max(options.noise_floor_ut);
@@ -100,8 +98,8 @@ impl Moments {
         Ok(EllipsoidFit {
             calibration,
             covariance: geometry * (read_ut * read_ut),
-            iterations: solution.iterations,
-            termination: solution.termination,
+            iterations: *iterations,
+            termination: *termination,
             residual_rms_ut: noise_ut,
             axis_ratio: roots.axis_ratio,
             direction_sigma_deg: deg_per_ut * read_ut,

@@ -4,7 +4,6 @@ use crate::priors::BEYOND_CHANCE;
 use crate::tuning::choices;
 
 choices! {
-    /// The choices.
     Tuning {
         /// Samples thinner than this share of their width lie in a plane
         planar_ratio: 0.01, "", "0.5 uT in 50: tests/host/laws.rs";

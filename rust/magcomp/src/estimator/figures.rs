@@ -15,7 +15,6 @@ use std::mem::take;
 /// Time after which they are formed anew, s: a display of them can be read that often.
 const ANEW_S: f64 = 2.0 * STEP_S;
 
-/// See the module.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Figures {
     config: WindowedConfig,

@@ -16,7 +16,6 @@ use crate::sample::MagneticSample;
 use crate::sensing::pairing::PairedInertial;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-/// See the module.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Ours {
     tuning: aided::Tuning,

@@ -11,7 +11,6 @@ use crate::priors::BEYOND_CHANCE;
 /// Mathematics: the mean of a normal's squares that are cut there.
 const CLIPPED_MEAN: f64 = 0.995;
 
-/// See the module.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct MeanSquare {
     value: f64,

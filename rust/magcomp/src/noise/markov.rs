@@ -49,7 +49,6 @@ struct Cell {
     log: f64,
 }
 
-/// See the module.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Markov {
     believed: Process,

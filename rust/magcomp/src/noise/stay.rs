@@ -28,7 +28,6 @@ struct Length {
     count: f64,
 }
 
-/// See the module.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Stays {
     lengths: [Length; LENGTHS],

@@ -4,7 +4,6 @@ use crate::priors::{OF_USE_DEG, ROOM_S, SETTLED_S};
 use crate::tuning::choices;
 
 choices! {
-    /// The choices.
     Tuning {
         /// Headings within this time have the same error: a course that multipath bends, a step to the side
         repeat_s: 2.0 * SETTLED_S, "s", "rust/magcomp-lab/tests/north.rs";

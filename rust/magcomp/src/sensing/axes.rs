@@ -42,7 +42,6 @@ const SETS: usize = 8;
 /// Mathematics: the sets, and degrees.
 const WAYS: usize = SETS + 1;
 
-/// See the module.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Axes {
     /// a and a', for the turn as it is read and each rival's; of the sets with the signs of their axes turned over.
@@ -55,7 +54,8 @@ pub(crate) struct Axes {
     /// Turn of the window in the making, rad, and the sum of squares over those before, rad^2.
     net_rad: Vector3<f64>,
     net_rad2: f64,
-    is_contradicted: bool,
+    /// Gravity says that axes turn the other way, or are read in degrees. Of axes that were hardly turned about nothing is known.
+    pub is_contradicted: bool,
     /// What the axes read, and how many times each repeated it while both others changed.
     rate_rad_s: Vector3<f64>,
     repeats: [u32; 3],
@@ -157,11 +157,6 @@ impl Axes {
         hangs(self.turned.angle_rad())
     }
 
-    /// Whether gravity says that axes turn the other way, or are read in degrees. Of axes that were hardly turned about nothing is known.
-    pub fn is_contradicted(&self) -> bool {
-        self.is_contradicted
-    }
-
     /// Whether an axis is dead, or all hang: that needs no other witness.
     pub fn is_dead(&self) -> bool {
         self.is_frozen || self.repeats.iter().any(|repeats| *repeats >= REPEATS)
@@ -185,7 +180,7 @@ mod tests {
     use nalgebra::Rotation3;
 
     fn is_out(axes: &Axes) -> bool {
-        axes.is_contradicted() || axes.is_dead()
+        axes.is_contradicted || axes.is_dead()
     }
 
     /// A sample at 100 Hz: what the gyroscope (rad/s) and the accelerometer (m/s^2) make of it.

@@ -16,7 +16,6 @@ use nalgebra::{SMatrix, SVector, Vector3};
 /// The products of gravity's components and the field's: row by row.
 type Products = SVector<f64, 9>;
 
-/// See the module.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Dip {
     sum: Products,
@@ -25,7 +24,8 @@ pub(crate) struct Dip {
     windows: f64,
     first: Products,
     second: SMatrix<f64, 9, 9>,
-    has_other_axes: bool,
+    /// Gravity's axes are not those of the field.
+    pub has_other_axes: bool,
 }
 
 impl Dip {
@@ -47,11 +47,6 @@ impl Dip {
             let least = || frames(1.0).map(|frame| self.variance(frame)).fold(f64::INFINITY, f64::min);
             self.has_other_axes = explains(0.0) && explains(least());
         }
-    }
-
-    /// Whether gravity's axes are not those of the field.
-    pub fn has_other_axes(&self) -> bool {
-        self.has_other_axes
     }
 
     /// Of z_G.
@@ -81,7 +76,7 @@ mod tests {
             let up = attitude.inverse() * Vector3::new(0.0, 0.0, 1.0) + shaken;
             dip.see(&(axes * up), &(attitude.inverse() * Vector3::new(0.0, 25.0, -43.0) + left_ut), 0.02);
         }
-        dip.has_other_axes()
+        dip.has_other_axes
     }
 
     #[test]

@@ -38,7 +38,6 @@ pub(crate) fn calm(up_m_s2: &Vector3<f64>) -> Option<Vector3<f64>> {
     ((size - 1.0).abs() < CALM).then(|| up_m_s2.normalize())
 }
 
-/// See the module.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Tilt {
     /// u and the rest, once there was a sample.

@@ -4,7 +4,6 @@ use crate::priors::{HAND_RAD, STEP_S};
 use crate::tuning::choices;
 
 choices! {
-    /// The choices.
     Tuning {
         /// A sensor whose newest event is older than this counts as absent, and a longer silence of all of them as a pause. Smaller: a hiccup of
         /// the system turns the gyroscope off. Larger: a stopped gyroscope is taken for stillness

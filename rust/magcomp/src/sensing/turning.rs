@@ -34,7 +34,6 @@ pub(super) type Frame = [(usize, f64); 3];
 /// Mathematics: the other frame itself.
 pub(super) const AS_READ: Frame = [(0, 1.0), (1, 1.0), (2, 1.0)];
 
-/// See the module.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Turning {
     /// m, W and A up to the latest sample, counted from the window's beginning; their sum over the window's samples, how many those are, and how long it is, s.
@@ -46,7 +45,7 @@ pub(crate) struct Turning {
     before: Option<Changes>,
     moments: SMatrix<f64, 15, 15>,
     windows: f64,
-    verdict: Verdict,
+    pub verdict: Verdict,
 }
 
 /// What the field says of the gyroscope's turns.
@@ -83,10 +82,6 @@ impl Turning {
     pub fn pause(&mut self) {
         (self.now, self.sum, self.before) = (Changes::zeros(), Changes::zeros(), None);
         (self.samples, self.length_s) = (0.0, 0.0);
-    }
-
-    pub fn verdict(&self) -> Verdict {
-        self.verdict
     }
 
     /// A window is full.
@@ -219,7 +214,7 @@ mod tests {
                 attitude.inverse() * (Vector3::new(0.0, 25.0, -43.0) + place_ut(t)) + Vector3::new(120.0, -80.0, 300.0);
             turning.see(&(axes * field + noise), &(rates * rate * 0.02), 0.02);
         }
-        turning.verdict()
+        turning.verdict
     }
 
     fn frame(rows: [f64; 9]) -> Matrix3<f64> {
@@ -273,7 +268,7 @@ mod tests {
             let noise = Vector3::new(f64::from(k % 7), f64::from(k % 5), f64::from(k % 3)) * 0.1;
             turning.see(&(swapped * noise), &(noise * 1e-4), 0.01);
         }
-        assert_eq!(turning.verdict(), Verdict::default());
+        assert_eq!(turning.verdict, Verdict::default());
     }
 
     /// Magnets along the way: the field changes by more than turns explain, and no axes are blamed.
@@ -302,7 +297,7 @@ mod tests {
                     Vector3::new(phase.sin(), phase.cos(), 0.3) * if t > 20.1 + 0.1 * phase { 50.0 } else { 0.0 };
                 let field = attitude.inverse() * Vector3::new(0.0, 25.0, -43.0) + step + noise;
                 turning.see(&field, &(rate * 0.02), 0.02);
-                assert_eq!(turning.verdict().axes, None, "{seed} at {t} s");
+                assert_eq!(turning.verdict.axes, None, "{seed} at {t} s");
             }
         }
     }
@@ -320,10 +315,10 @@ mod tests {
             let field = attitude.inverse() * Vector3::new(0.0, 25.0, -43.0) + Vector3::new(120.0, -80.0, 300.0);
             let field = if t < 20.0 { field.yxz() } else { field };
             turning.see(&field, &(rate * 0.02), 0.02);
-            refused[usize::from(t >= 20.0)] += usize::from(turning.verdict().axes.is_some());
+            refused[usize::from(t >= 20.0)] += usize::from(turning.verdict.axes.is_some());
         }
         assert!(refused[0] > 500 && (1..500).contains(&refused[1]), "{refused:?}");
-        assert_eq!(turning.verdict().axes, None);
+        assert_eq!(turning.verdict.axes, None);
     }
 
     /// S_G of the sums is that of a direct fit of the windows, for each G.

@@ -48,10 +48,8 @@ impl WindowedConfig {
     /// What a fit of a stream accepts.
     pub(super) fn fit_options(&self, field_strength_ut: Option<f64>) -> FitOptions {
         let usual = FitOptions::default();
-        let max_residual_share = match self.residual {
-            Residual::Algebraic => f64::INFINITY,
-            Residual::Corrected => usual.max_residual_share,
-        };
+        let is_algebraic = self.residual == Residual::Algebraic;
+        let max_residual_share = if is_algebraic { f64::INFINITY } else { usual.max_residual_share };
         FitOptions {
             residual: self.residual,
             field_strength_ut,

@@ -3,7 +3,6 @@
 use crate::tuning::choices;
 
 choices! {
-    /// The choices.
     Tuning {
         /// The constant method keeps its first fit that predicts direction errors below this
         constant_sigma_deg: 1.0, "deg", "an even sphere of 100 samples at 30 dB reaches 0.7: tests/host/steps.rs";

@@ -7,7 +7,6 @@ use crate::room::Roomy;
 use nalgebra::Vector3;
 use std::collections::VecDeque;
 
-/// See the module.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Window {
     /// N_max.
@@ -16,8 +15,8 @@ pub(super) struct Window {
     /// The latest N_max samples at the most, oldest first.
     kept: Roomy<VecDeque<Vector3<f64>>>,
     /// N: the latest so many are in the moments.
-    length: usize,
-    moments: Moments,
+    pub length: usize,
+    pub moments: Moments,
     since_recentred: usize,
 }
 
@@ -50,18 +49,9 @@ impl Window {
         self.since_recentred = 0;
     }
 
-    /// N.
-    pub fn length(&self) -> usize {
-        self.length
-    }
-
     /// Samples kept.
     pub fn kept(&self) -> usize {
         self.kept.len()
-    }
-
-    pub fn moments(&self) -> &Moments {
-        &self.moments
     }
 
     /// The latest so many, the very latest first.
@@ -128,9 +118,9 @@ mod tests {
 
     /// Whether the moments are those of the latest `length` of `count` samples, summed anew.
     fn holds_the_latest(window: &Window, count: usize, length: usize) -> bool {
-        let mut anew = Moments::new(*window.moments().centre_ut(), window.moments().scale_ut());
+        let mut anew = Moments::new(*window.moments.centre_ut(), window.moments.scale_ut());
         (count - length..count).for_each(|k| anew.add(&sample(k)));
-        window.length() == length && *window.moments() == anew
+        window.length == length && window.moments == anew
     }
 
     #[test]
@@ -172,9 +162,9 @@ mod tests {
             window.begin_about(&(centre + Vector3::x() * share * field_ut));
             (0..30).for_each(|k| window.enter(&sample(k)));
             window.recentre(&centre, field_ut, 31);
-            assert_ne!(*window.moments().centre_ut(), centre, "too soon");
+            assert_ne!(*window.moments.centre_ut(), centre, "too soon");
             window.recentre(&centre, field_ut, 30);
-            assert_eq!(*window.moments().centre_ut() == centre, moves, "{share}");
+            assert_eq!(*window.moments.centre_ut() == centre, moves, "{share}");
             assert!(holds_the_latest(&window, 30, 30));
         }
     }

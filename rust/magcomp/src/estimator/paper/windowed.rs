@@ -80,7 +80,7 @@ impl Windowed {
 
     /// The window.
     pub fn counted(&self) -> Counted<'_> {
-        Counted { through: self.state.calibration.as_ref(), samples: self.window.length() }
+        Counted { through: self.state.calibration.as_ref(), samples: self.window.length }
     }
 
     /// One sample, and what gravity says with it, m/s^2.
@@ -113,11 +113,11 @@ impl Windowed {
         let WindowedConfig { n_min, n_max, sigma_th, .. } = self.config;
         match sigma_t {
             _ if self.is_kept() => {
-                self.window.resize(self.window.length().min(n_min));
+                self.window.resize(self.window.length.min(n_min));
                 Status::Held(HoldReason::Constant)
             }
             Some(sigma_t) if sigma_t < sigma_th => {
-                self.window.resize(self.window.length() - 1);
+                self.window.resize(self.window.length - 1);
                 Status::Held(HoldReason::LowUniformity)
             }
             Some(sigma_t) => {
@@ -152,9 +152,9 @@ impl Windowed {
     fn fit_window(&mut self) {
         let WindowedConfig { n_min, n_max, .. } = self.config;
         let options = self.config.fit_options(self.strength_ut);
-        match self.window.moments().fit_from(self.state.calibration.as_ref(), &options) {
+        match self.window.moments.fit_from(self.state.calibration.as_ref(), &options) {
             Ok(fit) => {
-                let may_improve = self.is_constant && self.window.length() < n_max;
+                let may_improve = self.is_constant && self.window.length < n_max;
                 if may_improve && fit.direction_sigma_deg > Tuning::USED.constant_sigma_deg {
                     return;
                 }
@@ -189,7 +189,7 @@ impl Windowed {
             field_ut,
             field_covariance_ut2,
             direction_sigma_deg: fit.map(|fit| fit.direction_sigma_deg),
-            window: self.window.length(),
+            window: self.window.length,
             ..Answer::default()
         }
     }
