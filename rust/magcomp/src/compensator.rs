@@ -1,8 +1,5 @@
 //! One `push`: a raw sample in, a [`Reading`] out. Checks the sample, pairs it with the other sensors' events, asks the one estimator, and
-//! assembles the reading. One file each: `check` (what a sample may be), `presence` (of the gyroscope), `belief` (in the calibration in
-//! force), `keep` (calibrations from elsewhere and for the next launch), `adopted` (what live samples say of one), `outside` (headings and
-//! orientations from outside), `assemble` (heading and attitude), `rails` (a full scale that nobody told), `repeats` (rest, or a sensor that
-//! hangs), `tuning` (every choice), `tunings` (of all parts).
+//! assembles the reading.
 
 mod adopted;
 mod assemble;
@@ -158,7 +155,7 @@ impl Compensator {
     /// [`EventRejection`] says why it was not taken; nothing has changed then.
     pub fn push_rotation_rate(&mut self, sample: RotationRateSample) -> Result<(), EventRejection> {
         self.state.pairing.push_rotation_rate(sample.time_ns, sample.rate_rad_s)?;
-        self.state.stand_in.hear_gyroscope(sample.time_ns);
+        self.state.stand_in.gyroscope_ns = Some(sample.time_ns);
         Ok(())
     }
 
@@ -206,9 +203,7 @@ impl Compensator {
         answer.up = answer.up.filter(|_| !self.has_wrong_up());
         self.note(&sample, &answer);
         let since_s = previous_ns.map_or(0.0, |previous_ns| seconds(previous_ns, sample.time_ns));
-        if let (Status::Tracking, Some(up_m_s2), Some(field_ut)) = (status, up_m_s2, answer.field_ut)
-            && previous_ns.is_some()
-        {
+        if let (Status::Tracking, Some(up_m_s2), Some(field_ut)) = (status, up_m_s2, answer.field_ut) {
             self.state.dip.see(&(up_m_s2 / GRAVITY_M_S2), &field_ut, since_s);
         }
         self.state.north.step(sample.time_ns, &mut answer, self.config.heading.declination_deg);
@@ -230,16 +225,16 @@ impl Compensator {
 
     /// The estimator that the sensors allow takes over, from the calibration in force; whether that is the aided one.
     fn hand_over(&mut self, time_ns: i64, previous_ns: Option<i64>) -> bool {
-        if !matches!(self.config.method, Method::Auto | Method::Aided) {
-            return false;
-        }
-        let Some(is_there) = self.state.presence.is_there(time_ns, previous_ns) else { return false };
-        let belief = &self.state.belief;
-        let is_there = is_there && !(self.tuning.axes && self.state.axes.is_dead());
         let is_contradicted = self.is_gyroscope_contradicted();
-        let others =
-            self.estimator.follow_gyroscope(is_there, is_contradicted, |given| belief.no_surer_than_usual(given));
-        others && is_there
+        let State { presence, axes, belief, .. } = &self.state;
+        let (Some(is_there), Estimator::Ours(ours)) = (presence.is_there(time_ns, previous_ns), &mut *self.estimator)
+        else {
+            return false;
+        };
+        let is_there = is_there && !(self.tuning.axes && axes.is_dead());
+        matches!(self.config.method, Method::Auto | Method::Aided)
+            && ours.follow_gyroscope(is_there, is_contradicted, |given| belief.no_surer_than_usual(given))
+            && is_there
     }
 
     /// What the other sensors say with a sample, and what that tells of the gyroscope: whether it is there, and its axes are sound.
@@ -247,8 +242,7 @@ impl Compensator {
         let mut paired = self.state.pairing.pair(time_ns);
         self.state.presence.see(time_ns, previous_ns, paired.rotation.is_some());
         let dt_s = previous_ns.map_or(0.0, |previous_ns| seconds(previous_ns, time_ns));
-        let rotation = paired.rotation.filter(|_| previous_ns.is_some());
-        if let (Some(rotation), Some(up_m_s2)) = (&rotation, &paired.up_m_s2) {
+        if let (Some(rotation), Some(up_m_s2)) = (&paired.rotation, &paired.up_m_s2) {
             self.state.axes.read(rotation, dt_s, up_m_s2);
             if self.tuning.hanging && self.state.axes.is_gravity_frozen() {
                 // the gyroscope carries on where up is
@@ -256,7 +250,7 @@ impl Compensator {
             }
         }
         self.state.stream.repeats.see(&paired, dt_s);
-        let Some(Rotation { increment_rad, variance_rad2: bridged_rad2, .. }) = rotation else {
+        let Some(Rotation { increment_rad, variance_rad2: bridged_rad2, .. }) = paired.rotation else {
             self.break_chain();
             return paired;
         };
@@ -315,7 +309,9 @@ impl Compensator {
 
     /// What the estimator knows of the gyroscope tells the pairing.
     fn note_gyroscope(&mut self) {
-        if let Some((bias_rad_s, scale)) = self.estimator.gyroscope() {
+        if let Estimator::Ours(ours) = &*self.estimator
+            && let Some((bias_rad_s, scale)) = ours.gyroscope()
+        {
             self.state.pairing.assume(bias_rad_s, scale.diagonal());
         }
     }

@@ -94,14 +94,8 @@ impl KeptCalibration {
         inclination_deg: Option<f64>,
         unix_time_s: i64,
     ) -> Option<Self> {
-        let covariance = covariance.symmetric_part();
-        let it = Self {
-            calibration,
-            covariance,
-            source: CalibrationSource::Learned,
-            inclination_deg,
-            unix_time_s: Some(unix_time_s),
-        };
+        let (covariance, source) = (covariance.symmetric_part(), CalibrationSource::Learned);
+        let it = Self { calibration, covariance, source, inclination_deg, unix_time_s: Some(unix_time_s) };
         (is_covariance(&covariance) && leaves_doubt(&covariance)).then_some(it)
     }
 
@@ -167,14 +161,9 @@ impl KeptCalibration {
     /// The text, one line.
     #[must_use]
     pub fn to_json(&self) -> String {
-        let text = Text {
-            magcomp_calibration: KEPT_VERSION,
-            source: self.source,
-            unix_time_s: self.unix_time_s,
-            inclination_deg: self.inclination_deg,
-            calibration: self.calibration,
-            covariance: self.covariance.into(),
-        };
+        let Self { calibration, covariance, source, inclination_deg, unix_time_s } = *self;
+        let (magcomp_calibration, covariance) = (KEPT_VERSION, covariance.into());
+        let text = Text { magcomp_calibration, source, unix_time_s, inclination_deg, calibration, covariance };
         serde_json::to_string(&text).expect("finite numbers under names")
     }
 
@@ -188,28 +177,23 @@ impl KeptCalibration {
         if found > KEPT_VERSION {
             return Err(KeptError::Newer { found });
         }
-        let text: Text = serde_json::from_str(text).map_err(damaged)?;
+        let Text { source, unix_time_s, inclination_deg, calibration, covariance, .. } =
+            serde_json::from_str(text).map_err(damaged)?;
         let wrong = |why: &str| KeptError::Damaged { why: why.to_owned() };
         if found == 0 {
             return Err(wrong("there is no version 0"));
         }
-        let covariance = SMatrix::<f64, 9, 9>::from(text.covariance);
+        let covariance = SMatrix::<f64, 9, 9>::from(covariance);
         if !is_covariance(&covariance) {
             return Err(wrong("covariance is not symmetric and positive semi-definite"));
         }
         if !leaves_doubt(&covariance) {
             return Err(wrong("covariance says that the hard iron is exactly known"));
         }
-        if text.inclination_deg.is_some_and(|dip| !(-90.0..=90.0).contains(&dip)) {
+        if inclination_deg.is_some_and(|dip| !(-90.0..=90.0).contains(&dip)) {
             return Err(wrong("inclination_deg is not -90 to 90"));
         }
-        Ok(Self {
-            calibration: text.calibration,
-            covariance: covariance.symmetric_part(),
-            source: text.source,
-            inclination_deg: text.inclination_deg,
-            unix_time_s: text.unix_time_s,
-        })
+        Ok(Self { calibration, covariance: covariance.symmetric_part(), source, inclination_deg, unix_time_s })
     }
 }
 

@@ -40,12 +40,12 @@ macro_rules! choices {
             $($($(#[doc = $what])+ pub $switch: bool,)+)?
         }
 
+        #[allow(dead_code, reason = "only those of the estimators are tried by `magcomp sensitivity`")]
         impl $name {
             /// What phones get.
             pub const USED: Self = Self { $($field: $value,)+ $($($switch: true,)+)? };
 
             /// Every choice.
-            #[allow(dead_code, reason = "only those of the estimators are tried by `magcomp sensitivity`")]
             pub const LIST: &[$crate::tuning::Choice] = &[$($crate::tuning::Choice {
                 name: stringify!($field),
                 unit: $unit,
@@ -55,14 +55,12 @@ macro_rules! choices {
             }),+];
 
             /// Every mechanism that can be switched off.
-            #[allow(dead_code, reason = "as of `LIST`")]
             pub const MECHANISMS: &[$crate::tuning::Mechanism] = &[$($($crate::tuning::Mechanism {
                 name: stringify!($switch),
                 meaning: concat!($($what),+),
             }),+)?];
 
             /// Switches a mechanism off by its name; whether there is one.
-            #[allow(dead_code, reason = "as of `LIST`")]
             pub fn switch_off(&mut self, name: &str) -> bool {
                 $($(if name == stringify!($switch) {
                     self.$switch = false;
@@ -73,7 +71,6 @@ macro_rules! choices {
             }
 
             /// Sets a choice by its name; whether there is one.
-            #[allow(dead_code, reason = "as of `LIST`")]
             pub fn set(&mut self, name: &str, value: f64) -> bool {
                 match name {
                     $(stringify!($field) => self.$field = value,)+

@@ -24,21 +24,18 @@ pub(crate) struct Guidance {
     longest: usize,
     /// Of the latest samples that count, while there is no calibration.
     moments: Moments,
-    typical_ut: f64,
 }
 
 impl Guidance {
     /// For windows of N_max samples at most, in a field of this strength (uT) where it is known. All memory is taken here.
     pub fn new(longest: usize, strength_ut: Option<f64>) -> Self {
-        let typical_ut = typical_field_ut(strength_ut);
         Self {
             coverage: Coverage::default(),
             through: None,
             latest: Roomy::<VecDeque<_>>::new(longest),
             samples: 0,
             longest,
-            moments: Moments::new(Vector3::zeros(), typical_ut),
-            typical_ut,
+            moments: Moments::new(Vector3::zeros(), typical_field_ut(strength_ut)),
         }
     }
 
@@ -48,7 +45,7 @@ impl Guidance {
         self.through = None;
         self.latest.clear();
         self.samples = 0;
-        self.moments = Moments::new(Vector3::zeros(), self.typical_ut);
+        self.moments = Moments::new(Vector3::zeros(), self.moments.scale_ut());
     }
 
     /// A sample; the calibration that is in force now, and how many of the latest samples count.
@@ -60,7 +57,14 @@ impl Guidance {
         self.coverage.see(direction.as_ref());
         self.samples = self.samples.saturating_add(1);
         if calibration.is_none() {
-            self.follow(raw_ut, window);
+            // the sample enters the moments, and those that count no longer leave
+            if self.latest.is_empty() {
+                self.moments = Moments::new(*raw_ut, self.moments.scale_ut());
+            }
+            while self.moments.count() >= window.max(1) {
+                self.moments.remove(&self.latest[self.latest.len() - self.moments.count()].cast());
+            }
+            self.moments.add(raw_ut);
         }
         if self.latest.len() == self.longest {
             self.latest.pop_front();
@@ -80,7 +84,7 @@ impl Guidance {
             (Some(now), Some(then)) if is_near(now, then) => return,
             (Some(now), _) => *now,
             (None, _) if self.samples.is_multiple_of(ANEW_SAMPLES) => {
-                Calibration::about(self.moments.provisional_centre_ut(), self.typical_ut)
+                Calibration::about(self.moments.provisional_centre_ut(), self.moments.scale_ut())
             }
             (None, _) => return,
         };
@@ -91,16 +95,5 @@ impl Guidance {
             self.coverage.see(Some(&through.correct(&raw_ut.cast())));
         }
         self.coverage.count_latest(window);
-    }
-
-    /// The sample enters the moments, and those that count no longer leave.
-    fn follow(&mut self, raw_ut: &Vector3<f64>, window: usize) {
-        if self.latest.is_empty() {
-            self.moments = Moments::new(*raw_ut, self.typical_ut);
-        }
-        while self.moments.count() >= window.max(1) {
-            self.moments.remove(&self.latest[self.latest.len() - self.moments.count()].cast());
-        }
-        self.moments.add(raw_ut);
     }
 }

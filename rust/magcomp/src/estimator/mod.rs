@@ -14,7 +14,6 @@ use crate::reading::Status;
 use crate::sample::MagneticSample;
 use crate::sensing::pairing::PairedInertial;
 use answer::{Answer, Counted, Known};
-use nalgebra::{Matrix3, Vector3};
 pub(crate) use ours::Ours;
 use paper::Windowed;
 
@@ -41,17 +40,6 @@ impl Estimator {
             Self::Ours(ours) => ours.begin_from(given),
             Self::Windowed(windowed) => windowed.begin_from(given.map(|given| given.calibration)),
         }
-    }
-
-    /// As of [`Ours`].
-    pub fn follow_gyroscope(
-        &mut self,
-        is_there: bool,
-        is_contradicted: bool,
-        given: impl FnOnce(Given) -> Given,
-    ) -> bool {
-        let Self::Ours(ours) = self else { return false };
-        ours.follow_gyroscope(is_there, is_contradicted, given)
     }
 
     /// One sample that was checked, with what the other sensors said.
@@ -107,11 +95,6 @@ impl Estimator {
             Self::Ours(ours) => ours.explain(),
             Self::Windowed(windowed) => windowed.explain(),
         }
-    }
-
-    /// As of [`Ours`].
-    pub fn gyroscope(&self) -> Option<(Vector3<f64>, Matrix3<f64>)> {
-        if let Self::Ours(ours) = self { ours.gyroscope() } else { None }
     }
 
     /// Samples that it looks at.

@@ -28,7 +28,7 @@ use super::tuning::Tuning;
 use super::turning::{KEPT, LARGEST_BIAS_RAD_S, is_no_chance};
 use crate::math::elementary::ln;
 use crate::math::turn::Turn;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 /// Choice: readings on end that a living axis does not repeat: 5 was the most in 57 recordings.
 const REPEATS: u32 = 50;
@@ -77,12 +77,20 @@ impl Axes {
         }
         let has_moved = (up_m_s2 - self.up_m_s2).norm() > MOVED_M_S2;
         self.up_m_s2 = *up_m_s2;
-        if rotation.rate_rad_s == self.rate_rad_s {
+        let changed: [bool; 3] = std::array::from_fn(|axis| rotation.rate_rad_s[axis] != self.rate_rad_s[axis]);
+        if changed == [false; 3] {
             self.frozen_s += span_s;
         } else {
             (self.frozen_s, self.is_frozen) = (0.0, false);
         }
-        self.repeat(&rotation.rate_rad_s, has_moved);
+        for (axis, repeats) in self.repeats.iter_mut().enumerate() {
+            if changed[axis] {
+                *repeats = 0;
+            } else if has_moved && changed[(axis + 1) % 3] && changed[(axis + 2) % 3] {
+                *repeats = repeats.saturating_add(1);
+            }
+        }
+        self.rate_rad_s = rotation.rate_rad_s;
         if self.is_gravity_frozen() {
             // it is no witness
             self.pause();
@@ -91,29 +99,25 @@ impl Axes {
 
     /// The mean of some samples' accelerometer, m/s^2: the turn since that before, rad, and how long they took, s.
     pub fn see(&mut self, up_m_s2: &Vector3<f64>, turn_rad: &Vector3<f64>, span_s: f64) {
-        let read = Turn::by(&-turn_rad).rotation;
-        self.turn(&read, &Turn::by(&-turn_rad.map(f64::to_radians)).rotation, &(up_m_s2 * span_s));
+        let turned = |turn_rad: Vector3<f64>| Turn::by(&-turn_rad).rotation;
+        let (read, degrees) = (turned(*turn_rad), turned(turn_rad.map(f64::to_radians)));
+        let (back, up) = (read.transpose(), up_m_s2 * span_s);
+        // with the signs S of a set turned over the device turns by S R S, or by S R' S where the number of signs is odd: S a is carried
+        for way in 0..WAYS {
+            let turn = match way {
+                SETS => &degrees,
+                set if set.count_ones() % 2 == 0 => &read,
+                _ => &back,
+            };
+            self.sum[way] = turn * self.sum[way] + up.component_mul(&signs(way));
+            if let Some(before) = &mut self.before {
+                before[way] = turn * before[way];
+            }
+        }
         self.net_rad += turn_rad;
         self.length_s += span_s;
         if self.length_s >= Tuning::USED.tilt_s {
             self.compare();
-        }
-    }
-
-    /// The device turned, as is read and where that is in degrees. With the signs S of a set turned over it turns by S R S, or by S R' S where the number of
-    /// signs is odd: S a is carried.
-    fn turn(&mut self, read: &Matrix3<f64>, degrees: &Matrix3<f64>, up: &Vector3<f64>) {
-        let back = read.transpose();
-        for way in 0..WAYS {
-            let (turn, signs) = match way {
-                SETS => (degrees, Vector3::repeat(1.0)),
-                set if set.count_ones() % 2 == 0 => (read, signs(set)),
-                set => (&back, signs(set)),
-            };
-            self.sum[way] = turn * self.sum[way] + up.component_mul(&signs);
-            if let Some(before) = &mut self.before {
-                before[way] = turn * before[way];
-            }
         }
     }
 
@@ -132,18 +136,6 @@ impl Axes {
         (self.length_s, self.net_rad) = (0.0, Vector3::zeros());
         let spins = self.net_rad2 > self.pairs * (WHOLE_TURN_RAD * Tuning::USED.tilt_s).powi(2);
         self.is_contradicted = (1..SETS).any(|set| self.explains_better(set)) || spins && self.explains_better(SETS);
-    }
-
-    fn repeat(&mut self, rate_rad_s: &Vector3<f64>, has_moved: bool) {
-        let changed: [bool; 3] = std::array::from_fn(|axis| rate_rad_s[axis] != self.rate_rad_s[axis]);
-        for (axis, repeats) in self.repeats.iter_mut().enumerate() {
-            if changed[axis] {
-                *repeats = 0;
-            } else if has_moved && changed[(axis + 1) % 3] && changed[(axis + 2) % 3] {
-                *repeats = repeats.saturating_add(1);
-            }
-        }
-        self.rate_rad_s = *rate_rad_s;
     }
 
     /// The chain of rotations broke: no window reaches across.
@@ -169,7 +161,7 @@ impl Axes {
     }
 }
 
-/// 1, and -1 for the axes of a set.
+/// 1, and -1 for the axes of a set, of which degrees have none.
 fn signs(set: usize) -> Vector3<f64> {
     Vector3::from_fn(|axis, _| if set >> axis & 1 == 1 { -1.0 } else { 1.0 })
 }

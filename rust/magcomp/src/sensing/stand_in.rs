@@ -12,15 +12,10 @@ use nalgebra::UnitQuaternion;
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct StandIn {
     pose: Option<(i64, UnitQuaternion<f64>)>,
-    gyroscope_ns: Option<i64>,
+    pub gyroscope_ns: Option<i64>,
 }
 
 impl StandIn {
-    /// An event of the gyroscope was taken.
-    pub fn hear_gyroscope(&mut self, time_ns: i64) {
-        self.gyroscope_ns = Some(time_ns);
-    }
-
     /// Time passed that the clock does not show: no turn reaches across it.
     pub fn pause(&mut self) {
         self.pose = None;

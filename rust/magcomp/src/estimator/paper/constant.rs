@@ -47,8 +47,7 @@ impl ConstantField {
         self.summed += 1;
         if self.summed == self.samples_per_orientation {
             self.orientations_ut.push(self.sum_ut / self.summed as f64);
-            self.sum_ut = Vector3::zeros();
-            self.summed = 0;
+            (self.sum_ut, self.summed) = (Vector3::zeros(), 0);
         }
         Ok(())
     }
@@ -62,13 +61,9 @@ impl ConstantField {
     /// Which directions were seen, about the best centre known so far.
     #[must_use]
     pub fn coverage(&self) -> Coverage {
-        let moments = Moments::of(&self.orientations_ut);
-        let centre = moments.provisional_centre_ut();
-        let through = Calibration::about(centre, 1.0);
+        let through = Calibration::about(Moments::of(&self.orientations_ut).provisional_centre_ut(), 1.0);
         let mut coverage = Coverage::default();
-        for orientation in &self.orientations_ut {
-            coverage.see(Some(&through.correct(orientation)));
-        }
+        self.orientations_ut.iter().for_each(|raw_ut| coverage.see(Some(&through.correct(raw_ut))));
         coverage
     }
 

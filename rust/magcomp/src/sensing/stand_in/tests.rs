@@ -40,8 +40,7 @@ fn a_turn_is_told_where_the_pose_before_is_not_too_old() {
 #[test]
 fn the_gyroscope_itself_is_preferred_until_it_falls_silent() {
     let heard_before = |silent_ms: i64| {
-        let mut stand_in = StandIn::default();
-        stand_in.hear_gyroscope(1_000 * MS);
+        let mut stand_in = StandIn { gyroscope_ns: Some(1_000 * MS), ..StandIn::default() };
         gives(&mut stand_in, (1_000 + silent_ms - 10) * MS, (1_000 + silent_ms) * MS)
     };
     assert!(!heard_before(20) && !heard_before(250) && heard_before(251));
