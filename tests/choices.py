@@ -10,8 +10,8 @@ A job is a function that reads a choice, by its name or by one that is derived f
 `let Tuning { NAME, .. }`, or the constant's NAME. A choice that is read for two different jobs is two choices, so jobs are counted beside choices:
 numbers that are shared make fewer choices, and no fewer jobs.
 
-Fails when a constant has no kind, when an entry has no source or names a file that is not there, when nothing reads an entry, and when there are
-more choices than MOST or more jobs than MOST_JOBS. `--list` prints every choice with its jobs and its place.
+Fails when a constant has no kind, when an entry has no source, when a choice names a file that is not there, when nothing reads an entry, and when there
+are more choices than MOST or more jobs than MOST_JOBS. `--list` prints every choice with its jobs and its place.
 """
 
 import re
@@ -244,6 +244,8 @@ def count(core, root):
             docs = " ".join(line.strip().removeprefix("///").strip() for line in found["docs"].splitlines())
             kind = docs.split(":")[0] if docs.startswith(tuple(f"{kind}:" for kind in KINDS)) else None
             if kind == "Choice":
+                faults += [f"{short}: {name} names {place}, which is not there" for place in PLACE.findall(docs)
+                           if not (root / place).exists()]
                 choices.append((file.part, name, " ".join(value.split()), short, max(len(core.jobs(file, name)), 1)))
             elif kind is None and is_chosen(value) and "str" not in found["type"]:
                 faults.append(f"{short}: {name} has no kind; begin its comment with one of {', '.join(KINDS)}")

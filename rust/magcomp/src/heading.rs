@@ -23,7 +23,6 @@ mod tests;
 
 use crate::level::{Level, VERTICAL};
 use crate::math::elementary::atan2;
-use crate::tuning::choices;
 use nalgebra::{Matrix3, Vector3};
 
 /// Which axis of the device the heading is that of.
@@ -108,16 +107,12 @@ pub struct Heading {
     pub inclination_deg: Option<f64>,
 }
 
-choices! {
-    Tuning {
-        /// Where the right edge rises so far (sine of its elevation) the automatic axis begins to follow the camera
-        rise_begin: 0.707, "", "45 deg: tests/host/headings.rs";
-        /// ... and where it rises so far, the axis follows the camera alone
-        rise_end: 0.9, "", "64 deg: the same";
-        /// A vector whose standard deviation is so many times its length knows no direction at all
-        lost_ratio: 2.0, "", "115 deg, where an arc comes near half a turn: tests/host/headings.rs";
-    }
-}
+/// Choice: where the right edge rises so far (sine of its elevation), 45 deg, the automatic axis begins to follow the camera: tests/host/headings.rs.
+const RISE_BEGIN: f64 = 0.707;
+/// Choice: ... and where it rises so far, 64 deg, the axis follows the camera alone.
+const RISE_END: f64 = 0.9;
+/// Choice: a vector whose standard deviation is so many times its length knows no direction at all: 115 deg, where an arc comes near half a turn.
+const LOST_RATIO: f64 = 2.0;
 /// Heading of a reference axis from a corrected field (uT) and `up` (any length), both in the device frame.
 ///
 /// None when the field or the axis is vertical, or anything is not finite or of length zero. `heading_sigma_deg`
@@ -169,16 +164,14 @@ fn pointing_slope(up: &Vector3<f64>, axis: ReferenceAxis, rotation: ScreenRotati
     let level_turned = (turned - level * level.dot(&turned)) / across.norm();
     let rise = right.dot(up);
     let share = camera_share(rise);
-    let Tuning { rise_begin, rise_end, .. } = Tuning::USED;
     let share_turned =
-        if share > 0.0 && share < 1.0 { right.dot(d) * rise.signum() / (rise_end - rise_begin) } else { 0.0 };
+        if share > 0.0 && share < 1.0 { right.dot(d) * rise.signum() / (RISE_END - RISE_BEGIN) } else { 0.0 };
     level_turned * (1.0 - share) + (-Vector3::z() - level) * share_turned
 }
 
 /// How far the automatic axis follows the camera, 0 to 1, where the right edge rises with this sine.
 fn camera_share(rise: f64) -> f64 {
-    let Tuning { rise_begin, rise_end, .. } = Tuning::USED;
-    ((rise.abs() - rise_begin) / (rise_end - rise_begin)).clamp(0.0, 1.0)
+    ((rise.abs() - RISE_BEGIN) / (RISE_END - RISE_BEGIN)).clamp(0.0, 1.0)
 }
 
 /// One standard deviation of the heading of an axis, degrees: up to 115, or 180 where the field's or the axis' horizontal
@@ -228,7 +221,7 @@ pub(crate) fn sigma_of_level(
 pub(crate) fn angle_sigma_deg(variance_rad2: f64) -> Option<f64> {
     // as an arc, since an arc tangent would stop at 90
     let sd_rad = variance_rad2.max(0.0).sqrt();
-    let sigma = if sd_rad > Tuning::USED.lost_ratio { 180.0 } else { sd_rad.to_degrees() };
+    let sigma = if sd_rad > LOST_RATIO { 180.0 } else { sd_rad.to_degrees() };
     variance_rad2.is_finite().then_some(sigma)
 }
 

@@ -2,15 +2,17 @@
 //! samples seems to be.
 
 use super::cells::Coverage;
-use super::tuning::Tuning;
 use crate::calibration::{Calibration, typical_field_ut};
 use crate::ellipsoid::Moments;
 use crate::room::Roomy;
 use nalgebra::Vector3;
 use std::collections::VecDeque;
 
-/// Samples from one look for what is too dear for every sample to the next.
-const ANEW_SAMPLES: usize = Tuning::USED.anew_samples as usize;
+/// Choice: samples from one look for what is too dear for every sample to the next, 0.25 s at 100 Hz, which nobody sees on a screen. Of the latest ten times
+/// as many the directions are found anew when the calibration they are seen through is no longer right: no sample may cost much (tests/instructions.sh).
+const ANEW_SAMPLES: usize = 25;
+/// Choice: it is no longer right when the centre has moved by this many field strengths: less than the width of a cell, 0.5.
+const ANEW_SHIFT: f64 = 0.2;
 
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Guidance {
@@ -78,7 +80,7 @@ impl Guidance {
         self.coverage.count_latest(window);
         let is_near = |now: &Calibration, then: &Calibration| {
             let shift = (now.hard_iron_ut() - then.hard_iron_ut()).norm();
-            shift <= Tuning::USED.anew_shift * then.field_strength_ut()
+            shift <= ANEW_SHIFT * then.field_strength_ut()
         };
         let through = match (calibration, &self.through) {
             (Some(now), Some(then)) if is_near(now, then) => return,

@@ -5,7 +5,6 @@ mod cells;
 mod guidance;
 #[cfg(test)]
 mod tests;
-mod tuning;
 
 pub use cells::{CELLS, Coverage};
 pub(crate) use guidance::Guidance;

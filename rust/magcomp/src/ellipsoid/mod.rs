@@ -7,7 +7,6 @@ mod moments;
 mod options;
 mod report;
 mod start;
-mod tuning;
 
 pub use crate::math::descend::Termination;
 pub use fit::fit_ellipsoid;

@@ -33,33 +33,22 @@ const fn place([i, j, k]: [usize; 3]) -> usize {
     below + rest * (rest + 1) / 2 + k
 }
 
-/// Where an entry of S is found among the monomials (0 is the constant), and what each axis adds to that of (grad z)(grad z)^T: a factor, and of which.
-#[derive(Clone, Copy)]
-struct Entry {
-    place: usize,
-    by_axis: [(f64, usize); 3],
-}
+/// Mathematics: dz/dx, dz/dy, dz/dz: of which entry of z each entry is, times a factor.
+const DERIVED: [[(f64, usize); 10]; 3] = {
+    let (none, one, x, y, z) = ((0.0, 9), (1.0, 9), (2.0, 6), (2.0, 7), (2.0, 8));
+    [
+        [x, none, none, y, z, none, one, none, none, none],
+        [none, y, none, x, none, z, none, one, none, none],
+        [none, none, z, none, x, y, none, none, one, none],
+    ]
+};
 
-/// Mathematics: the entries of S and B.
-const PLACES: [[Entry; 10]; 10] = {
-    let nothing = Entry { place: 0, by_axis: [(0.0, 0); 3] };
-    let mut places = [[nothing; 10]; 10];
-    let mut entry = 0;
+/// Mathematics: where each entry of S is found among the monomials; 0 is the constant.
+const PLACES: [[usize; 10]; 10] = {
+    let (mut places, mut entry) = ([[0; 10]; 10], 0);
     while entry < 100 {
-        let (row, column) = (entry / 10, entry % 10);
-        let (a, b) = (EXPONENTS[row], EXPONENTS[column]);
-        let both = [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
-        places[row][column].place = place(both);
-        let mut axis = 0;
-        while axis < 3 {
-            if a[axis] * b[axis] > 0 {
-                let mut derived = both;
-                derived[axis] -= 2;
-                let factor = FACTORS[row] * FACTORS[column] * (a[axis] * b[axis]) as f64;
-                places[row][column].by_axis[axis] = (factor, place(derived));
-            }
-            axis += 1;
-        }
+        let (a, b) = (EXPONENTS[entry / 10], EXPONENTS[entry % 10]);
+        places[entry / 10][entry % 10] = place([a[0] + b[0], a[1] + b[1], a[2] + b[2]]);
         entry += 1;
     }
     places
@@ -169,13 +158,13 @@ impl Moments {
     #[must_use]
     pub fn scatter(&self) -> (SMatrix<f64, 10, 10>, SMatrix<f64, 10, 10>) {
         let means = self.means();
-        let s = SMatrix::<f64, 10, 10>::from_fn(|i, j| means[PLACES[i][j].place] * (FACTORS[i] * FACTORS[j]));
+        let s = SMatrix::<f64, 10, 10>::from_fn(|i, j| means[PLACES[i][j]] * (FACTORS[i] * FACTORS[j]));
         // the Laplacian of z is 2 in the squares
         let square = |i: usize, j: usize| if i < 3 { s[(j, 9)] } else { 0.0 };
         let mut b = SMatrix::<f64, 10, 10>::zeros();
         for i in 0..10 {
             for j in i..10 {
-                let [x, y, z] = PLACES[i][j].by_axis.map(|(factor, place)| factor * means[place]);
+                let [x, y, z] = DERIVED.map(|by| by[i].0 * by[j].0 * s[(by[i].1, by[j].1)]);
                 b[(i, j)] = x + y + z + square(i, j) + square(j, i);
             }
         }

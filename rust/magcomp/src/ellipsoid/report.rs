@@ -10,17 +10,19 @@ mod tests;
 use super::cost::{Candidate, Problem, Solution};
 use super::moments::Moments;
 use super::options::{FitError, FitOptions, SMALLEST_SAMPLE_COUNT};
-use super::tuning::Tuning;
 use crate::calibration::Calibration;
 use crate::math::descend::{Descent, Termination};
 use crate::math::elementary::cbrt;
 use crate::math::symmetric::{basis, six};
+use crate::priors::BEYOND_CHANCE;
 use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3};
 
 type Matrix9 = SMatrix<f64, 9, 9>;
 
 /// Data sheet: the finest last bit of a phone's magnetometer, 0.15 uT, as noise: / 12^0.5. Samples that leave less were not read to more.
 const LAST_BIT_UT: f64 = 0.043;
+/// Choice: samples thinner than this share of their width lie in a plane, 0.5 uT in 50: tests/host/laws.rs.
+const PLANAR_RATIO: f64 = 0.01;
 
 /// An ellipsoid and how far to trust it.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -111,7 +113,7 @@ impl Moments {
     pub(super) fn why_no_ellipsoid(&self, noise_ut: f64) -> FitError {
         let spread = self.cloud_covariance_ut2().symmetric_eigenvalues().map(|v| v.max(0.0).sqrt());
         let (thin, wide) = (spread.min(), spread.max());
-        if thin <= Tuning::USED.planar_ratio * wide || thin <= Tuning::USED.planar_noises * noise_ut {
+        if thin <= PLANAR_RATIO * wide || thin <= BEYOND_CHANCE * noise_ut {
             FitError::Planar { thickness_ut: thin }
         } else {
             FitError::NotAnEllipsoid

@@ -3,17 +3,24 @@
 #[cfg(test)]
 mod tests;
 
-use super::tuning::Tuning;
 use crate::estimator::answer::{Answer, Carry};
 use crate::level::Level;
 use crate::math::elementary::{atan2, cos, gain, sin, sin_cos};
-use crate::priors::BEYOND_CHANCE;
+use crate::priors::{BEYOND_CHANCE, ROOM_S, SETTLED_S};
 use nalgebra::{Matrix3, Vector3};
+
+/// Headings within this time have the same error, s: a course that multipath bends, a step to the side (rust/magcomp-lab/tests/north.rs).
+pub(super) const REPEAT_S: f64 = 2.0 * SETTLED_S;
+/// For so long another north must be told before it is believed instead of the magnetometer's, s, and twice as long instead of headings that have agreed for
+/// as long: twice as long as one walks backwards.
+pub(super) const OWN_SUPPORT_S: f64 = 2.0 * ROOM_S;
+/// Choice: an axis whose horizontal part is less has no heading: 60 deg of elevation, as the judge of the recordings has it.
+const LEAST_HORIZONTAL: f64 = 0.5;
 
 impl Level {
     /// Clockwise from north, rad; `None` for an axis that is nearly vertical, whose heading no source tells.
     pub(super) fn told_bearing(&self, axis: &Vector3<f64>) -> Option<f64> {
-        self.bearing(axis, Tuning::USED.least_horizontal)
+        self.bearing(axis, LEAST_HORIZONTAL)
     }
 
     /// Its columns.
@@ -93,8 +100,7 @@ pub(super) struct Carried {
 impl Carried {
     /// What the magnetometer says.
     pub fn of(own: &Own) -> Self {
-        let support_s = Tuning::USED.own_support_s;
-        Self::new(own.level, own.variance_rad2, 0.0, support_s)
+        Self::new(own.level, own.variance_rad2, 0.0, OWN_SUPPORT_S)
     }
 
     /// What a heading says alone.
@@ -147,7 +153,7 @@ impl Carried {
         self.own_rad2 += span_s * (2.0 * self.shared_rad2_s + self.drift_rad2_s2 * span_s) + carry.noise_rad2;
         self.shared_rad2_s += self.drift_rad2_s2 * span_s;
         // it wanders, and turns with the device
-        self.drift_rad2_s2 += (bias_rad2_s2 - self.drift_rad2_s2) * gain(span_s, Tuning::USED.own_support_s);
+        self.drift_rad2_s2 += (bias_rad2_s2 - self.drift_rad2_s2) * gain(span_s, OWN_SUPPORT_S);
     }
 
     /// Whether a heading that is off by so much, with this variance, may be right.
@@ -161,7 +167,7 @@ impl Carried {
             self.own_rad2 += self.common_rad2;
         }
         // one that repeats the error of the last counts for little, but north is as well known as it says
-        let repeated_rad2 = told.own_rad2 * Tuning::USED.repeat_s / told.new_s;
+        let repeated_rad2 = told.own_rad2 * REPEAT_S / told.new_s;
         let beyond_rad2 = self.own_rad2 - told.own_rad2;
         let as_told_rad2 = if beyond_rad2 > 0.0 { self.own_rad2 * told.own_rad2 / beyond_rad2 } else { f64::INFINITY };
         let expected_rad2 = self.own_rad2 + repeated_rad2.min(as_told_rad2);

@@ -17,7 +17,6 @@ mod history;
 mod offset;
 #[cfg(test)]
 mod tests;
-mod tuning;
 
 use crate::estimator::answer::{Answer, Carry, KnownNorth};
 use crate::explanation::OutsideTest;
@@ -26,15 +25,16 @@ use crate::reading::HeadingAid;
 use crate::sample::{HeadedAxis, HeadingSample, NorthReference, seconds};
 use crate::sensing::pairing::{EventRejection, MAX_LEAD_S};
 use arrayvec::ArrayVec;
-use carried::{Carried, Own, Told, wrap};
+use carried::{Carried, OWN_SUPPORT_S, Own, REPEAT_S, Told, wrap};
 use history::{History, LATEST_S};
 use nalgebra::{Matrix3, Vector3};
 use offset::Offset;
 use std::f64::consts::PI;
-use tuning::Tuning;
 
 /// Choice: headings that wait for the magnetometer sample after them: a second of a camera's yaw at 30 Hz is more than any system holds back.
 const WAITING: usize = 32;
+/// Choice: size of a declination before anything is known, deg: where people live it is less than 20 nearly everywhere.
+const DECLINATION_DEG: f64 = 15.0;
 
 /// North as headings from outside tell it.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -129,7 +129,7 @@ impl North {
     /// What the latest headings are worth, unless it is long ago.
     pub fn aid(&self, time_ns: i64) -> Option<HeadingAid> {
         let Heard { time_ns: heard_ns, was, .. } = self.heard?;
-        let is_recent = seconds(heard_ns, time_ns) < 2.0 * Tuning::USED.own_support_s;
+        let is_recent = seconds(heard_ns, time_ns) < 2.0 * OWN_SUPPORT_S;
         match was {
             HeadingAid::Used if self.carried.as_ref().is_some_and(|it| it.leads) => Some(HeadingAid::Leads),
             was => is_recent.then_some(was),
@@ -164,7 +164,7 @@ impl North {
         let expected_rad2 = north.variance_rad2() + told.angle_rad2();
         if agrees {
             north.correct(off_rad, &told, &up);
-            north.support_s = north.support_s.min(2.0 * Tuning::USED.own_support_s);
+            north.support_s = north.support_s.min(2.0 * OWN_SUPPORT_S);
             self.rival.take_if(|rival| rival.loses(told.new_s));
         } else {
             self.doubt(&told, off_rad, own);
@@ -193,14 +193,14 @@ impl North {
             own_bearing_rad: own_bearing,
             own_rad2: heading.sigma_deg.to_radians().powi(2),
             common_rad2: 0.0,
-            new_s: since_s.min(Tuning::USED.repeat_s),
+            new_s: since_s.min(REPEAT_S),
             is_vehicle: heading.axis == HeadedAxis::Vehicle,
         };
         match (told.is_vehicle, heading.reference, declination_deg) {
             (false, NorthReference::True, Some(declination_deg)) => told.bearing_rad -= declination_deg.to_radians(),
             (false, NorthReference::Magnetic, _) => {}
             (false, NorthReference::True, None) => {
-                let size_rad = Tuning::USED.declination_deg.to_radians();
+                let size_rad = DECLINATION_DEG.to_radians();
                 told.less(self.declination.get_or_insert_with(|| Offset::unknown(size_rad, axis)), own);
             }
             (true, ..) => {
@@ -224,7 +224,7 @@ impl North {
             Some(rival)
         });
         let rival = rival.unwrap_or_else(|| Carried::told(&own.level, told));
-        if told.is_vehicle && rival.support_s > Tuning::USED.repeat_s {
+        if told.is_vehicle && rival.support_s > REPEAT_S {
             // the gyroscope has seen a turn that the vehicle did not make
             if let Some(mounting) = &mut self.mounting {
                 mounting.begin_at(off_rad, told.own_bearing_rad, north.variance_rad2() + told.own_rad2);

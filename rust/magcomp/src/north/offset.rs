@@ -3,9 +3,12 @@
 //! The magnetometer's own error stays the same while the device points the same way. So one difference counts for each part of a circle.
 
 use super::carried::wrap;
-use super::tuning::Tuning;
-use crate::priors::BEYOND_CHANCE;
+use crate::priors::{BEYOND_CHANCE, OF_USE_DEG};
 use nalgebra::Vector3;
+
+/// The magnetometer's error is another where the device points elsewhere by this, deg: a disturbance that goes with the vehicle has one or two periods in a
+/// circle.
+const APART_DEG: f64 = 3.0 * OF_USE_DEG;
 
 /// The angle and how well it is known.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -28,8 +31,7 @@ impl Offset {
     /// is wrong.
     pub fn learn(&mut self, difference_rad: f64, at_rad: f64, variance_rad2: f64) {
         let off_rad = wrap(difference_rad - self.angle_rad);
-        let is_elsewhere =
-            !self.at_rad.is_finite() || wrap(at_rad - self.at_rad).abs() > Tuning::USED.apart_deg.to_radians();
+        let is_elsewhere = !self.at_rad.is_finite() || wrap(at_rad - self.at_rad).abs() > APART_DEG.to_radians();
         if is_elsewhere && off_rad * off_rad < BEYOND_CHANCE.powi(2) * (self.variance_rad2 + variance_rad2) {
             let gain = self.variance_rad2 / (self.variance_rad2 + variance_rad2);
             self.angle_rad = wrap(self.angle_rad + gain * off_rad);

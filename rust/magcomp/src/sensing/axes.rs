@@ -23,8 +23,7 @@
 
 use super::hang::{Turned, hangs};
 use super::pairing::Rotation;
-use super::tilt::GRAVITY_M_S2;
-use super::tuning::Tuning;
+use super::tilt::{GRAVITY_M_S2, TILT_S};
 use super::turning::{KEPT, LARGEST_BIAS_RAD_S, is_no_chance};
 use crate::math::elementary::ln;
 use crate::math::turn::Turn;
@@ -116,7 +115,7 @@ impl Axes {
         }
         self.net_rad += turn_rad;
         self.length_s += span_s;
-        if self.length_s >= Tuning::USED.tilt_s {
+        if self.length_s >= TILT_S {
             self.compare();
         }
     }
@@ -125,7 +124,7 @@ impl Axes {
     fn compare(&mut self) {
         let means = std::mem::take(&mut self.sum).map(|sum| sum / self.length_s);
         if let Some(before) = self.before.replace(means) {
-            let by_bias = LARGEST_BIAS_RAD_S * Tuning::USED.tilt_s * GRAVITY_M_S2;
+            let by_bias = LARGEST_BIAS_RAD_S * TILT_S * GRAVITY_M_S2;
             self.is_frozen |= self.frozen_s > 2.0 * self.length_s && (means[0] - before[0]).norm() > by_bias;
             for way in 0..WAYS {
                 self.moved[way] = self.moved[way] * KEPT + (means[way] - before[way]).norm_squared();
@@ -134,7 +133,7 @@ impl Axes {
             self.pairs = self.pairs * KEPT + 1.0;
         }
         (self.length_s, self.net_rad) = (0.0, Vector3::zeros());
-        let spins = self.net_rad2 > self.pairs * (WHOLE_TURN_RAD * Tuning::USED.tilt_s).powi(2);
+        let spins = self.net_rad2 > self.pairs * (WHOLE_TURN_RAD * TILT_S).powi(2);
         self.is_contradicted = (1..SETS).any(|set| self.explains_better(set)) || spins && self.explains_better(SETS);
     }
 
@@ -156,7 +155,7 @@ impl Axes {
 
     /// Whether gravity stands still rather where the device turned like this.
     fn explains_better(&self, way: usize) -> bool {
-        let by_bias = self.pairs * (LARGEST_BIAS_RAD_S * Tuning::USED.tilt_s * GRAVITY_M_S2).powi(2);
+        let by_bias = self.pairs * (LARGEST_BIAS_RAD_S * TILT_S * GRAVITY_M_S2).powi(2);
         is_no_chance(self.pairs * ln((self.moved[0] + by_bias) / (self.moved[way] + by_bias)))
     }
 }

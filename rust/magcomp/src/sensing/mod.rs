@@ -11,5 +11,4 @@ pub(crate) mod order;
 pub(crate) mod pairing;
 pub(crate) mod stand_in;
 pub(crate) mod tilt;
-mod tuning;
 pub(crate) mod turning;

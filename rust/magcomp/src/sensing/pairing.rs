@@ -14,8 +14,8 @@
 #[cfg(test)]
 mod tests;
 
-use super::tuning::Tuning;
 use crate::math::elementary::{gain, quaternion, rotation_vector};
+use crate::priors::STEP_S;
 use crate::sample::seconds;
 use arrayvec::ArrayVec;
 use nalgebra::Vector3;
@@ -23,8 +23,11 @@ use std::mem::take;
 
 /// Choice: events held of each sensor: 40 ms at 400 Hz, the interval of a 25 Hz magnetometer; an overflow folds the oldest rate.
 const EVENTS: usize = 16;
-/// A sensor whose newest event is older than this at a magnetometer time counts as absent, s.
-pub(crate) const STALE_S: f64 = Tuning::USED.stale_s;
+/// Choice: a sensor whose newest event is older than this counts as absent, and a longer silence of all of them as a pause, s: two and a half periods of
+/// 10 Hz, the slowest rate supported. Smaller: a hiccup of the system turns the gyroscope off. Larger: a stopped gyroscope is taken for stillness.
+pub(crate) const STALE_S: f64 = 0.25;
+/// Memory of how the rate wanders between its events, s: a hand changes its motion about as fast.
+const WANDER_S: f64 = STEP_S;
 /// Data sheet: largest rotation rate believed, rad/s: above the 35 rad/s full scale of phone gyroscopes.
 const MAX_RATE_RAD_S: f64 = 60.0;
 /// Data sheet: largest acceleration believed, m/s^2: above the 160 m/s^2 full scale of phone accelerometers.
@@ -194,7 +197,7 @@ impl InertialPairing {
         let bend = slope - before;
         let Some(bend_before) = self.bend.replace(bend) else { return };
         let seen = -bend.dot(&bend_before) * span_s / 3.0;
-        self.wander += gain(span_s, Tuning::USED.wander_s) * (seen - self.wander);
+        self.wander += gain(span_s, WANDER_S) * (seen - self.wander);
         self.gathered_rad2 += self.wander.max(0.0) * span_s.powi(3) / 12.0;
     }
 

@@ -15,8 +15,8 @@
 #[cfg(test)]
 mod tests;
 
-use super::tuning::Tuning;
 use crate::math::elementary::gain;
+use crate::priors::{HAND_RAD, STEP_S};
 use crate::sample::seconds;
 use crate::strength::EARTH_UT;
 use nalgebra::Vector3;
@@ -27,6 +27,12 @@ pub(crate) const GRAVITY_M_S2: f64 = 9.80665;
 const LARGEST: f64 = 1.0;
 /// Data sheet: s, noise of an accelerometer's sample, in g: 0.003 to 0.02.
 const NOISE: f64 = 0.02;
+/// Memory of what motion adds to gravity, s, and for how long a device turns about the same axis: two steps.
+pub(super) const TILT_S: f64 = 2.0 * STEP_S;
+/// t_m, s: half a step of a pedestrian (walks with motion capture, docs/dev/METHOD.md).
+const MOTION_S: f64 = 0.5 * STEP_S;
+/// Choice: how much more of it, in squares, lies along a horizontal axis than along gravity: the same walks.
+const ACROSS: f64 = 2.0;
 /// Choice: share of gravity by which an accelerometer may be off that shows where up is: 6 degrees if it is across.
 const CALM: f64 = 0.1;
 /// Choice: a sum of directions that is shorter than this share of them has none.
@@ -66,17 +72,16 @@ impl Tilt {
 
     /// Variance of it about a horizontal axis, what it has at rest aside, rad^2.
     pub fn variance_rad2(&self) -> f64 {
-        self.filter.map_or(0.0, |it| (it.surprise * it.variance + Tuning::USED.across * it.motion_left).max(it.motion))
+        self.filter.map_or(0.0, |it| (it.surprise * it.variance + ACROSS * it.motion_left).max(it.motion))
     }
 
     /// One sample of the accelerometer, with the raw field at its time, uT.
     pub fn step(&mut self, time_ns: i64, up_m_s2: &Vector3<f64>, raw_ut: &Vector3<f64>) {
-        let Tuning { tilt_s, hand_rad, motion_s, across, .. } = Tuning::USED;
         let a = up_m_s2 / GRAVITY_M_S2;
         let off = |it: &Vector3<f64>| (it.norm() - 1.0).abs().min(LARGEST).powi(2);
         let age_s = |it: &Filter| seconds(it.last_ns, time_ns);
         // what was before a pause is gone
-        let Some(it) = self.filter.as_mut().filter(|it| age_s(it) <= tilt_s) else {
+        let Some(it) = self.filter.as_mut().filter(|it| age_s(it) <= TILT_S) else {
             let (motion, variance) = (off(&a), NOISE.powi(2));
             let (raw_ut, last_ns, left) = (*raw_ut, time_ns, Filter::default());
             self.filter = Some(Filter { up: a, variance, motion, motion_left: motion, raw_ut, last_ns, ..left });
@@ -84,15 +89,15 @@ impl Tilt {
         };
         let dt_s = age_s(it).max(1e-6);
         it.last_ns = time_ns;
-        let share = gain(dt_s, tilt_s);
+        let share = gain(dt_s, TILT_S);
         it.motion += share * (off(&a) - it.motion);
-        let moved_ut = (raw_ut - it.raw_ut) * gain(dt_s, motion_s / 2.0);
+        let moved_ut = (raw_ut - it.raw_ut) * gain(dt_s, MOTION_S / 2.0);
         it.raw_ut += moved_ut;
         let turning = (moved_ut.norm() / (EARTH_UT.end * dt_s)).powi(2);
-        it.turning += gain(dt_s, 1.5 * motion_s) * (turning - it.turning);
+        it.turning += gain(dt_s, 1.5 * MOTION_S) * (turning - it.turning);
         // a turn about the field itself does not show: of turns about all axes a third
-        it.variance += (hand_rad.powi(2) + 1.5 * it.turning * tilt_s) * dt_s;
-        let noise = NOISE.powi(2) + across * it.motion * (motion_s / dt_s).max(1.0);
+        it.variance += (HAND_RAD.powi(2) + 1.5 * it.turning * TILT_S) * dt_s;
+        let noise = NOISE.powi(2) + ACROSS * it.motion * (MOTION_S / dt_s).max(1.0);
         let expected = it.variance + noise;
         let e = a - it.up;
         let along = it.up.try_normalize(LEAST_LENGTH).map_or(0.0, |up| e.dot(&up));

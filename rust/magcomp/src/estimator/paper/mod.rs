@@ -1,9 +1,8 @@
 //! The paper's method, whole: sigma_T, (12) to (15), in `uniformity`; the window (16) in `window`; fig. 3 in `windowed`; section III, a
-//! constant external field, in `constant`. `config` has the paper's own numbers, `tuning` those that it leaves open.
+//! constant external field, in `constant`. `config` has the paper's own numbers.
 
 mod config;
 mod constant;
-mod tuning;
 mod uniformity;
 mod window;
 mod windowed;

@@ -1,11 +1,14 @@
 //! The latest samples, and the moments of a window of them: what (10) fits, for every length N at the same cost.
 
-use super::tuning::Tuning;
 use crate::calibration::typical_field_ut;
 use crate::ellipsoid::Moments;
 use crate::room::Roomy;
 use nalgebra::Vector3;
 use std::collections::VecDeque;
+
+/// Choice: the moments are taken about a new centre when the ellipsoid's is further away than this many field strengths, and when their scale is less than this
+/// share of the field, or the reverse: moments keep 12 digits there (tests/host/direct.rs).
+const RECENTRE: f64 = 0.5;
 
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Window {
@@ -95,8 +98,8 @@ impl Window {
 
     /// Moments about a far centre lose digits: they are taken about this one, where it is another, once in `n_min` samples at most.
     pub fn recentre(&mut self, centre_ut: &Vector3<f64>, field_ut: f64, n_min: usize) {
-        let is_far = (centre_ut - self.moments.centre_ut()).norm() > Tuning::USED.recentre * field_ut;
-        let scales = Tuning::USED.recentre..=Tuning::USED.recentre.recip();
+        let is_far = (centre_ut - self.moments.centre_ut()).norm() > RECENTRE * field_ut;
+        let scales = RECENTRE..=RECENTRE.recip();
         let is_other = !scales.contains(&(field_ut / self.moments.scale_ut()));
         if (is_far || is_other) && self.since_recentred >= n_min {
             self.since_recentred = 0;

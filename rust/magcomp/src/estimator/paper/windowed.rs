@@ -13,7 +13,6 @@
 mod tests;
 
 use super::config::WindowedConfig;
-use super::tuning::Tuning;
 use super::uniformity::{Evenness, evenness};
 use super::window::{Window, window_length};
 use crate::calibration::{Calibration, UNEVEN_UT, calibration_covariance};
@@ -23,6 +22,15 @@ use crate::explanation::{EXPLAINED_HYPOTHESES, Estimator, EstimatorPhase, Explan
 use crate::reading::{HoldReason, Missing, Status};
 use crate::sample::MagneticSample;
 use nalgebra::{Matrix3, Vector3};
+
+/// Choice: the constant method keeps its first fit that predicts direction errors below this, deg: an even sphere of 100 samples at 30 dB reaches 0.7
+/// (tests/host/steps.rs).
+const CONSTANT_SIGMA_DEG: f64 = 1.0;
+/// Choice: rms deviation of |h| over the latest N_min samples, as a share of the field strength, that is suspect: rooms stay below 5 %, a magnet of 13 uT makes
+/// 20 % (tests/recordings, broad_34).
+const SUSPECT_SPREAD: f64 = 0.1;
+/// Choice: samples from a refused fit to the next try, a tenth of the shortest window: one that does not fit now will hardly fit one sample later.
+const RETRY_SAMPLES: usize = 10;
 
 /// The paper's estimator.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -88,7 +96,7 @@ impl Windowed {
         let evenness = self.enter(&sample.field_ut);
         let sigma_t = evenness.map(|it| it.sigma_t);
         let status = self.update(sigma_t);
-        let is_suspect = evenness.is_some_and(|it| it.spread > Tuning::USED.suspect_spread);
+        let is_suspect = evenness.is_some_and(|it| it.spread > SUSPECT_SPREAD);
         let suspect_since_ns = is_suspect.then(|| self.state.suspect_since_ns.unwrap_or(sample.time_ns));
         self.state.suspect_since_ns = suspect_since_ns;
         let status = suspect_since_ns.map_or(status, |since_ns| Status::Suspect { since_ns });
@@ -137,7 +145,7 @@ impl Windowed {
 
     /// 4. (10) on the window.
     fn refit(&mut self) -> Status {
-        let wait = if self.state.refused.is_some() { Tuning::USED.retry_samples as usize } else { 1 };
+        let wait = if self.state.refused.is_some() { RETRY_SAMPLES } else { 1 };
         if self.state.since_fit >= wait {
             self.state.since_fit = 0;
             self.fit_window();
@@ -155,7 +163,7 @@ impl Windowed {
         match self.window.moments.fit_from(self.state.calibration.as_ref(), &options) {
             Ok(fit) => {
                 let may_improve = self.is_constant && self.window.length < n_max;
-                if may_improve && fit.direction_sigma_deg > Tuning::USED.constant_sigma_deg {
+                if may_improve && fit.direction_sigma_deg > CONSTANT_SIGMA_DEG {
                     return;
                 }
                 let State { calibration, fit: latest, refused, .. } = &mut self.state;
