@@ -19,6 +19,14 @@ impl<T> Roomy<VecDeque<T>> {
     pub fn new(room: usize) -> Self {
         Self(VecDeque::with_capacity(room))
     }
+
+    /// The newest enters; of `most` the oldest leaves.
+    pub fn roll(&mut self, newest: T, most: usize) {
+        if self.len() == most {
+            self.pop_front();
+        }
+        self.push_back(newest);
+    }
 }
 
 impl<T: Clone> Clone for Roomy<Vec<T>> {

@@ -26,24 +26,24 @@ pub struct Mechanism {
 }
 
 /// Declares a struct of choices: `name: value, "unit", "source";` with the meaning as its doc comment;
-/// and, where there are any, the mechanisms that can be switched off.
+/// and the mechanisms that can be switched off.
 macro_rules! choices {
     ($(#[doc = $about:literal])* $name:ident {
         $($(#[doc = $meaning:literal])+ $field:ident: $value:expr, $unit:literal, $source:literal;)+
-    } $(mechanisms {
+    } mechanisms {
         $($(#[doc = $what:literal])+ $switch:ident;)+
-    })?) => {
+    }) => {
         $(#[doc = $about])*
         #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
         pub(crate) struct $name {
             $($(#[doc = $meaning])+ pub $field: f64,)+
-            $($($(#[doc = $what])+ pub $switch: bool,)+)?
+            $($(#[doc = $what])+ pub $switch: bool,)+
         }
 
         #[allow(dead_code, reason = "only those of the estimators are tried by `magcomp sensitivity`")]
         impl $name {
             /// What phones get.
-            pub const USED: Self = Self { $($field: $value,)+ $($($switch: true,)+)? };
+            pub const USED: Self = Self { $($field: $value,)+ $($switch: true,)+ };
 
             /// Every choice.
             pub const LIST: &[$crate::tuning::Choice] = &[$($crate::tuning::Choice {
@@ -55,19 +55,18 @@ macro_rules! choices {
             }),+];
 
             /// Every mechanism that can be switched off.
-            pub const MECHANISMS: &[$crate::tuning::Mechanism] = &[$($($crate::tuning::Mechanism {
+            pub const MECHANISMS: &[$crate::tuning::Mechanism] = &[$($crate::tuning::Mechanism {
                 name: stringify!($switch),
                 meaning: concat!($($what),+),
-            }),+)?];
+            }),+];
 
             /// Switches a mechanism off by its name; whether there is one.
             pub fn switch_off(&mut self, name: &str) -> bool {
-                $($(if name == stringify!($switch) {
-                    self.$switch = false;
-                    return true;
-                })+)?
-                let _ = name;
-                false
+                match name {
+                    $(stringify!($switch) => self.$switch = false,)+
+                    _ => return false,
+                }
+                true
             }
 
             /// Sets a choice by its name; whether there is one.

@@ -49,11 +49,8 @@ impl Stream {
     /// A sample's field is of no use, but its time is; the time of the one before, ns.
     pub fn pass(&mut self, time_ns: i64) -> Option<i64> {
         (self.astray, self.astray_ns) = (0, 0);
-        let Some(latest) = &mut self.latest else {
-            self.latest = Some(MagneticSample { time_ns, field_ut: Vector3::zeros() });
-            return None;
-        };
-        Some(std::mem::replace(&mut latest.time_ns, time_ns))
+        let field_ut = self.latest.map_or_else(Vector3::zeros, |latest| latest.field_ut);
+        self.latest.replace(MagneticSample { time_ns, field_ut }).map(|latest| latest.time_ns)
     }
 
     /// A sample was rejected: whether there were so many in a row, each for its time, that the clock is another one.
@@ -93,10 +90,8 @@ impl Stream {
             self.rails.check(field)?;
         }
         let is_same = self.latest.is_some_and(|latest| latest.field_ut == *field);
-        match self.repeats.hang(is_told).filter(|_| tuning.stuck && is_same) {
-            Some(repeats) => Err(RejectReason::Stuck { repeats }),
-            None => Ok(()),
-        }
+        let repeats = self.repeats.hang(is_told).filter(|_| tuning.stuck && is_same);
+        repeats.map_or(Ok(()), |repeats| Err(RejectReason::Stuck { repeats }))
     }
 
     /// Whether its time can be.
@@ -106,9 +101,6 @@ impl Stream {
             return Err(RejectReason::TimeNotAfter { time_ns, latest_ns });
         }
         let (gap_s, limit_s) = (seconds(latest_ns, time_ns), LONGEST_GAP_S);
-        if gap_s > limit_s {
-            return Err(RejectReason::TimeJump { gap_s, limit_s });
-        }
-        Ok(())
+        if gap_s > limit_s { Err(RejectReason::TimeJump { gap_s, limit_s }) } else { Ok(()) }
     }
 }

@@ -68,10 +68,7 @@ impl Guidance {
             }
             self.moments.add(raw_ut);
         }
-        if self.latest.len() == self.longest {
-            self.latest.pop_front();
-        }
-        self.latest.push_back(kept);
+        self.latest.roll(kept, self.longest);
         self.look_through(calibration, window);
     }
 

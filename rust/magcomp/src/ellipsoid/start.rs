@@ -46,11 +46,9 @@ impl Shape {
         let offset = Vector3::new(p[6], p[7], p[8]) * (-0.5 * sign);
         let beta = ldl::solve(&a, &offset)?;
         let radius_squared = beta.dot(&offset) - p[9] * sign;
-        if !(radius_squared > 0.0 && radius_squared.is_finite()) {
-            return None;
-        }
         let shape = Self { a: a / radius_squared, offset: offset / radius_squared };
-        shape.unknowns().iter().all(|v| v.is_finite()).then_some(shape)
+        let is_finite = radius_squared.is_finite() && shape.unknowns().iter().all(|v| v.is_finite());
+        (radius_squared > 0.0 && is_finite).then_some(shape)
     }
 }
 

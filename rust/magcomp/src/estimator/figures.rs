@@ -60,10 +60,7 @@ impl Figures {
     /// Puts the figures into the answer to a sample; of what is known they are formed anew.
     pub fn finish(&mut self, answer: &mut Answer, sample: &MagneticSample, known: Option<Known>) {
         self.samples = self.samples.saturating_add(1);
-        if self.latest.len() == self.config.n_min {
-            self.latest.pop_front();
-        }
-        self.latest.push_back(sample.field_ut);
+        self.latest.roll(sample.field_ut, self.config.n_min);
         if let Some(Known { calibration, covariance }) = known {
             self.formed_ns = Some(sample.time_ns);
             self.look_through(calibration);

@@ -48,7 +48,6 @@ impl Ours {
         Self { tuning, strength_ut, adaptive, gyroscope: None, is_contradicted: false, figures }
     }
 
-    /// As new, in the memory that is there.
     pub fn restart(&mut self) {
         self.gyroscope = None;
         self.adaptive.restart(None);
@@ -87,7 +86,6 @@ impl Ours {
         true
     }
 
-    /// One sample that was checked, with what the other sensors said.
     pub fn push(&mut self, sample: &MagneticSample, paired: &PairedInertial) -> (Status, Answer) {
         let MagneticSample { time_ns, field_ut: raw_ut } = *sample;
         let (adaptive, is_contradicted) = (&mut self.adaptive, self.is_contradicted);
@@ -121,7 +119,6 @@ impl Ours {
         self.gyroscope.as_mut().map_or_else(Answer::default, |it| it.aided.carry(time_ns, paired))
     }
 
-    /// Samples that the estimator looks at.
     pub fn window(&self) -> usize {
         if self.carries() { self.counted().samples } else { self.adaptive.window() }
     }
@@ -150,12 +147,10 @@ impl Ours {
         self.adaptive.untouched().filter(|_| !self.carries()).or_else(|| self.known().in_force())
     }
 
-    /// Whether the calibration in force was learned from live samples.
     pub fn has_learned(&self) -> bool {
         self.speaker().map_or_else(|| self.adaptive.has_learned(), Aided::has_learned)
     }
 
-    /// The inside of the estimator that answers.
     pub fn explain(&self) -> Explanation {
         let tries_both = |it: &Gyroscope| !it.is_in_use && is_doubted(&it.aided, self.is_contradicted);
         let tries_both = self.gyroscope.as_ref().is_some_and(tries_both);

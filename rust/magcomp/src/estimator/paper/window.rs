@@ -74,10 +74,7 @@ impl Window {
         if self.length == self.longest {
             self.resize(self.length - 1);
         }
-        if self.kept.len() == self.longest {
-            self.kept.pop_front();
-        }
-        self.kept.push_back(*raw_ut);
+        self.kept.roll(*raw_ut, self.longest);
         self.moments.add(raw_ut);
         self.length += 1;
         self.since_recentred = self.since_recentred.saturating_add(1);

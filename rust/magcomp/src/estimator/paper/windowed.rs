@@ -65,7 +65,6 @@ impl Windowed {
         Self { config, strength_ut, is_constant, window, state: State::default() }
     }
 
-    /// As new, in the memory that is there.
     pub fn restart(&mut self) {
         self.window.restart();
         self.state = State::default();
@@ -81,7 +80,6 @@ impl Windowed {
         Known { calibration: self.state.calibration, covariance: self.state.fit.map(|fit| fit.covariance) }
     }
 
-    /// The latest fit that was accepted.
     pub fn fit(&self) -> Option<&EllipsoidFit> {
         self.state.fit.as_ref()
     }
@@ -209,7 +207,6 @@ impl Windowed {
         })
     }
 
-    /// The inside, for people.
     pub fn explain(&self) -> Explanation {
         let usage = if self.is_kept() { SampleUse::Unused } else { SampleUse::Pooled };
         Explanation {
