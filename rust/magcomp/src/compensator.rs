@@ -319,7 +319,7 @@ impl Compensator {
     /// Whether a gyroscope can carry on what is known to this time.
     fn can_carry(&self, time_ns: i64) -> bool {
         matches!(self.config.method, Method::Auto | Method::Aided)
-            && (self.estimator.carries() || self.state.pairing.turns())
+            && (matches!(&*self.estimator, Estimator::Ours(ours) if ours.carries()) || self.state.pairing.turns())
             && self.state.stream.check_time(time_ns).is_ok()
     }
 

@@ -110,15 +110,9 @@ impl Moments {
     /// A sample enters the set: constant time.
     #[inline]
     pub fn add(&mut self, raw_ut: &Vector3<f64>) {
-        self.add_mean(raw_ut, 1);
-    }
-
-    /// The mean of `count` neighbouring samples enters the set in their place: constant time.
-    #[inline]
-    pub(crate) fn add_mean(&mut self, raw_ut: &Vector3<f64>, count: usize) {
-        self.count = self.count.saturating_add(count);
-        self.not_finite = self.not_finite.saturating_add(if is_finite(raw_ut) { 0 } else { count });
-        self.sums.add_times(self.monomials(raw_ut), count as i64);
+        self.count = self.count.saturating_add(1);
+        self.not_finite = self.not_finite.saturating_add(usize::from(!is_finite(raw_ut)));
+        self.sums.add_times(self.monomials(raw_ut), 1);
     }
 
     /// A sample that was added leaves the set: constant time, and exactly undoes [`Moments::add`].

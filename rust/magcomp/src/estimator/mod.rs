@@ -50,11 +50,6 @@ impl Estimator {
         }
     }
 
-    /// Whether there is a gyroscope that carries on where the field points.
-    pub fn carries(&self) -> bool {
-        matches!(self, Self::Ours(ours) if ours.carries())
-    }
-
     /// A sample whose field is of no use.
     pub fn carry(&mut self, time_ns: i64, paired: &PairedInertial) -> Answer {
         if let Self::Ours(ours) = self { ours.carry(time_ns, paired) } else { Answer::default() }

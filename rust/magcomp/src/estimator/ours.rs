@@ -110,6 +110,7 @@ impl Ours {
         (status, answer)
     }
 
+    /// Whether there is a gyroscope that carries on where the field points.
     pub fn carries(&self) -> bool {
         self.gyroscope.is_some()
     }

@@ -283,8 +283,8 @@ impl InertialPairing {
 /// An event enters in the order of times, unless it is none that is believed (`limit`), is from another clock than the latest
 /// paired sample, or comes too late: after `taken_ns`, or after the oldest of a full storage. That oldest one makes room. Events that
 /// are further ahead of it than a sensor may be silent were stamped wrong, and are left out.
-fn enter<const N: usize>(
-    events: &mut ArrayVec<Event, N>,
+fn enter(
+    events: &mut ArrayVec<Event, EVENTS>,
     event: Event,
     limit: f64,
     taken_ns: Option<i64>,
