@@ -139,14 +139,11 @@ impl Adopted {
             let off = it.mean - mean;
             covariance + (it.covariance + off * off.transpose()) * share
         });
-        let variance_ut2 = covariance.fixed_view::<3, 3>(0, 0).trace() / 3.0;
-        if variance_ut2.is_nan() || variance_ut2 >= STRONGEST_AXIS_UT.powi(2) {
-            return None;
-        }
         let soft_iron = self.kept.soft_iron() + symmetric(&mean.fixed_rows::<6>(3).into_owned());
         let hard_iron_ut = self.kept.hard_iron_ut() + mean.fixed_rows::<3>(0);
         let calibration = Calibration::new(soft_iron, hard_iron_ut, self.kept.field_strength_ut()).ok()?;
-        Some(Given { calibration, covariance: covariance.symmetric_part() })
+        let given = Given { calibration, covariance: covariance.symmetric_part() };
+        (given.hard_iron_ut2() < STRONGEST_AXIS_UT.powi(2)).then_some(given)
     }
 }
 

@@ -13,8 +13,6 @@ use crate::room::Roomy;
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
 use std::collections::VecDeque;
 
-/// Limit: longest that an event may be told to wait, s: by then its sensor counts as absent.
-const LONGEST_HOLD_S: f64 = STALE_S;
 /// Choice: events that can wait: 0.25 s of two inertial sensors at 400 Hz and a magnetometer at 100 Hz.
 const ROOM: usize = 256;
 /// Mathematics: `STALE_S` in nanoseconds; an event that is this much newer than all before it follows a pause of all sensors, ns.
@@ -95,7 +93,8 @@ impl EventQueue {
     /// # Errors
     /// [`ConfigError`] when `hold_s` is out of range.
     pub fn new(hold_s: f64) -> Result<Self, ConfigError> {
-        in_range("hold_s", hold_s, 0.0..=LONGEST_HOLD_S, "s")?;
+        // by then its sensor counts as absent
+        in_range("hold_s", hold_s, 0.0..=STALE_S, "s")?;
         let waiting = Roomy::<VecDeque<_>>::new(ROOM);
         Ok(Self { hold_ns: (hold_s * 1e9) as i64, waiting, begin_ns: 0, latest_ns: [NEVER; 3] })
     }
