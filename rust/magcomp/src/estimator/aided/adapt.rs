@@ -19,7 +19,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::measure::Innovation;
 use super::state::Parts;
-use super::step::{Known, Step};
+use super::step::Step;
 use super::tuning::Tuning;
 
 /// Choice: least magnetometer noise, per axis, uT: phones read in steps of up to 0.6 uT, whose rounding alone is 0.17 uT.
@@ -29,11 +29,12 @@ const LEAST_NOISE_UT: f64 = 0.2;
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Adaptation {
     /// Of a sample, and of a frame's mean.
-    sample: White,
-    mean: White,
-    local_ut: f64,
+    pub(super) sample: White,
+    pub(super) mean: White,
+    /// s_d, uT.
+    pub(super) local_ut: f64,
     /// q_b, uT per root of a second.
-    walk_ut: f64,
+    pub(super) walk_ut: f64,
     /// D so far, that of the window before, and the window's time.
     walked_ut: Vector3<f64>,
     walked_before_ut: Vector3<f64>,
@@ -54,7 +55,7 @@ pub(crate) struct Adaptation {
 
 /// White noise, from one sample or frame to the next.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-struct White {
+pub(super) struct White {
     variance_ut2: f64,
     /// The one before, uT, and the turn since then.
     previous: Option<(Vector3<f64>, Matrix3<f64>)>,
@@ -65,8 +66,13 @@ impl White {
         Self { variance_ut2: tuning.noise_start_ut.powi(2), previous: None }
     }
 
+    /// sigma, uT.
+    pub(super) fn sigma_ut(&self) -> f64 {
+        self.variance_ut2.sqrt()
+    }
+
     /// A sample or a mean, with the turn from the one before.
-    fn step(
+    pub(super) fn step(
         &mut self,
         raw_ut: &Vector3<f64>,
         x: &Parts,
@@ -88,7 +94,7 @@ impl White {
     }
 
     /// One that says nothing.
-    fn pass(&mut self, turn: &Matrix3<f64>) {
+    pub(super) fn pass(&mut self, turn: &Matrix3<f64>) {
         if let Some((_, since)) = &mut self.previous {
             *since = turn * *since;
         }
@@ -108,26 +114,6 @@ impl Adaptation {
             slow_age_s: tuning.quick_s,
             ..Self::default()
         }
-    }
-
-    /// sigma of a sample.
-    pub(crate) fn sigma_ut(&self) -> f64 {
-        self.sample.variance_ut2.sqrt()
-    }
-
-    /// sigma of a frame's mean.
-    pub(crate) fn mean_sigma_ut(&self) -> f64 {
-        self.mean.variance_ut2.sqrt()
-    }
-
-    /// s_d, uT.
-    pub(crate) fn local_ut(&self) -> f64 {
-        self.local_ut
-    }
-
-    /// q_b, uT per root of a second.
-    pub(crate) fn walk_ut(&self) -> f64 {
-        self.walk_ut
     }
 
     /// The field is not trusted to be even at once.
@@ -202,38 +188,6 @@ impl Adaptation {
     /// Breaks the chain of one-step increments (gap, or no rotation known).
     pub(crate) fn forget_previous(&mut self) {
         (self.sample.previous, self.mean.previous) = (None, None);
-    }
-
-    /// One sample, with the step from the one before.
-    pub(crate) fn step(
-        &mut self,
-        raw_ut: &Vector3<f64>,
-        known: &Known,
-        turn: &Matrix3<f64>,
-        dt_s: f64,
-        tuning: &Tuning,
-    ) {
-        self.sample.step(raw_ut, &known.x, turn, dt_s, tuning.memory_s, tuning);
-    }
-
-    /// One sample that says nothing.
-    pub(crate) fn pass(&mut self, turn: &Matrix3<f64>) {
-        self.sample.pass(turn);
-    }
-
-    /// One frame of such.
-    pub(crate) fn pass_mean(&mut self, turn: &Matrix3<f64>) {
-        self.mean.pass(turn);
-    }
-
-    /// A sample stands for itself: nothing else is known of the mean of several.
-    pub(crate) fn stand_alone(&mut self) {
-        self.mean = self.sample.clone();
-    }
-
-    /// One frame, with the turn from the one before.
-    pub(crate) fn step_mean(&mut self, step: &Step<'_>, x: &Parts, turn: &Matrix3<f64>, tuning: &Tuning) {
-        self.mean.step(step.raw_ut, x, turn, step.dt_s, tuning.settled_s, tuning);
     }
 
     /// The local field's standard deviation, from the size of an innovation and of its slow part.

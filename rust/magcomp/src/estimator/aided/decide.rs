@@ -31,7 +31,7 @@ impl Aided {
     pub(super) fn run_trial(&mut self, step: &Step<'_>) {
         let Phase::Undecided(running, trial) = &mut self.phase else { return };
         let verdict = trial.step(step, &running.filter, &running.watch, self.former.as_ref(), &self.tuning);
-        let since_ns = trial.onset_ns();
+        let since_ns = trial.onset_ns;
         let event = |kind| Some(Event { kind, since_ns, decided_ns: step.time_ns });
         match verdict {
             Verdict::Device => {
@@ -40,14 +40,14 @@ impl Aided {
                     self.event = event(kind);
                     self.former = self.tuning.recall.then(|| Former::of(&running.filter));
                 }
-                if trial.was_place() {
+                if trial.was_place {
                     running.carry_earth(since_ns, &self.tuning);
                 }
-                return self.go_on_with(Trial::into_device);
+                return self.go_on_with(|trial| trial.device);
             }
             Verdict::Unchanged => {
                 self.bursts.was_the_place();
-                return self.go_on_with(Trial::into_place);
+                return self.go_on_with(|trial| trial.place);
             }
             Verdict::Place | Verdict::NewPlace => {
                 self.bursts.was_the_place();
@@ -55,23 +55,23 @@ impl Aided {
                 if !is_new {
                     self.event = event(EventKind::PlaceChanged);
                 }
-                let is_back = running.is_back_on_earth(trial.place(), &self.tuning);
+                let is_back = running.is_back_on_earth(&trial.place, &self.tuning);
                 if is_new && !is_back {
                     running.carry_earth(since_ns, &self.tuning);
                 }
                 if is_new || is_back {
-                    return self.go_on_with(Trial::into_place);
+                    return self.go_on_with(|trial| trial.place);
                 }
             }
             Verdict::Neither => {
                 self.bursts.begin();
                 self.bursts.was_the_place();
-                trial.must_hold(self.bursts.hold_s(&self.tuning));
+                trial.began.hold_s = self.bursts.hold_s(&self.tuning);
             }
             Verdict::Open => {}
         }
         if trial.is_over(&running.watch, &self.tuning) {
-            if trial.is_place() {
+            if trial.is_place {
                 // it fits again, perhaps by chance
                 self.adaptation.expect_uneven(&self.tuning);
             }

@@ -52,18 +52,19 @@ pub(crate) struct Began {
 /// The hypotheses `device` and `place`, running.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Trial {
-    /// Whether the field of the place was found to have changed, and whether it was before.
-    is_place: bool,
-    was_place: bool,
-    onset_ns: i64,
-    device: Filter,
-    place: Filter,
+    /// Whether the field of the place was found to have changed, and whether it was before the hypotheses started anew.
+    pub(super) is_place: bool,
+    pub(super) was_place: bool,
+    pub(super) onset_ns: i64,
+    pub(super) device: Filter,
+    pub(super) place: Filter,
     recalled: bool,
-    began: Began,
+    pub(super) began: Began,
     log_ratio: f64,
     device_misfit: f64,
     place_misfit: f64,
-    rotation_rad: f64,
+    /// How far the device was turned while they were compared.
+    pub(super) rotation_rad: f64,
     /// Seconds since the hypotheses were started (last).
     age_s: f64,
     /// Seconds the place hypothesis has held.
@@ -86,38 +87,6 @@ impl Trial {
         Self { began, ..Self::start_in(filter, filter, watch, former, tuning) }
     }
 
-    /// Whether the field of the place was found to have changed.
-    pub(crate) fn is_place(&self) -> bool {
-        self.is_place
-    }
-
-    /// Whether it was found to, before the hypotheses started anew.
-    pub(crate) fn was_place(&self) -> bool {
-        self.was_place
-    }
-
-    /// How long a change must hold, s.
-    pub(crate) fn must_hold(&mut self, hold_s: f64) {
-        self.began.hold_s = hold_s;
-    }
-
-    pub(crate) fn onset_ns(&self) -> i64 {
-        self.onset_ns
-    }
-
-    /// The filter of `place`.
-    pub(crate) fn place(&self) -> &Filter {
-        &self.place
-    }
-
-    pub(crate) fn into_device(self) -> Filter {
-        self.device
-    }
-
-    pub(crate) fn into_place(self) -> Filter {
-        self.place
-    }
-
     /// What is told once `device` has won over `filter`, which is as it was before; None if it is but relearned.
     pub(crate) fn device_event(&self, filter: &Filter, tuning: &Tuning) -> Option<EventKind> {
         let moved_ut = (self.device.part(HARD_IRON) - filter.part(HARD_IRON)).norm();
@@ -129,12 +98,12 @@ impl Trial {
 
     /// Whether it was nothing, or is over: the filter's own samples fit again.
     pub(crate) fn is_over(&self, watch: &Watch, tuning: &Tuning) -> bool {
-        !self.began.is_blind && watch.share() < 0.5 * tuning.suspect_share
+        !self.began.is_blind && watch.share < 0.5 * tuning.suspect_share
     }
 
     /// Starts `place` from the filter as it is, and `device` from the field of the place `there`.
     fn start_in(filter: &Filter, there: &Filter, watch: &Watch, former: Option<&Former>, tuning: &Tuning) -> Self {
-        let step_ut = watch.misfit_ut().max(tuning.smallest_step_ut);
+        let step_ut = watch.misfit_ut.max(tuning.smallest_step_ut);
         let (mut device, mut place) = (there.clone(), filter.clone());
         let recall = former.filter(|_| watch.fits_former(tuning));
         if let Some(former) = recall {
@@ -148,7 +117,7 @@ impl Trial {
             device.add(FIELD, &(m * m.transpose() * (iron / 3.0)));
         }
         place.add_variance(FIELD, step_ut * step_ut);
-        Self { onset_ns: watch.since_ns(), device, place, recalled: recall.is_some(), ..Self::default() }
+        Self { onset_ns: watch.since_ns, device, place, recalled: recall.is_some(), ..Self::default() }
     }
 
     /// The device turns.
@@ -198,7 +167,7 @@ impl Trial {
             self.device_misfit = 0.0;
         }
         // while the filter as it was explains the samples, nothing else wins
-        let unchanged = !self.began.is_blind && !self.is_place && watch.share() < MOST;
+        let unchanged = !self.began.is_blind && !self.is_place && watch.share < MOST;
         if step.resting || unchanged {
             return Verdict::Open;
         }
@@ -227,11 +196,6 @@ impl Trial {
         let device = of(device, self.log_ratio, self.device_misfit);
         let place = of(place, -self.log_ratio, self.place_misfit);
         if self.log_ratio < 0.0 { [place, device] } else { [device, place] }
-    }
-
-    /// How far the device was turned while they were compared.
-    pub(crate) fn compared_turn_rad(&self) -> f64 {
-        self.rotation_rad
     }
 
     fn judge(&mut self, device: &Innovation, place: &Innovation, step: &Step<'_>, tuning: &Tuning) {

@@ -30,8 +30,8 @@ impl Aided {
                 expected_ut: it.variance_ut2.map(f64::sqrt),
                 ratio: it.nis / self.tuning.gate,
             }),
-            gated_share: self.phase.running().map(|running| running.watch.share()),
-            compared_turn_deg: trial.map(|trial| trial.compared_turn_rad().to_degrees()),
+            gated_share: self.phase.running().map(|running| running.watch.share),
+            compared_turn_deg: trial.map(|trial| trial.rotation_rad.to_degrees()),
             hypotheses,
             noise: self.noise_levels(),
             outside: None,
@@ -46,9 +46,9 @@ impl Aided {
             Phase::Running(_) | Phase::Undecided(..) => None,
         };
         NoiseLevels {
-            white_ut: Some(self.adaptation.sigma_ut()),
-            local_ut: Some(self.adaptation.local_ut()),
-            hard_iron_walk_ut: Some(self.adaptation.walk_ut()),
+            white_ut: Some(self.adaptation.sample.sigma_ut()),
+            local_ut: Some(self.adaptation.local_ut),
+            hard_iron_walk_ut: Some(self.adaptation.walk_ut),
             delay_s: filter.map(Filter::delay_s),
             delay_sigma_s: filter.map(|filter| filter.delay_s2().sqrt()),
             gyroscope_bias_rad_s: Some(self.gyroscope().0),

@@ -42,7 +42,8 @@ impl Aided {
     fn collect(&mut self, step: &Step<'_>) {
         let Phase::Starting(first) = &mut self.phase else { return };
         first.turn(step);
-        self.adaptation.stand_alone();
+        // nothing else is known of the mean of several
+        self.adaptation.mean = self.adaptation.sample.clone();
         if let Some(variance) = step.bias_variance {
             first.rest(step.rate_rad_s, variance);
         }
@@ -83,12 +84,13 @@ impl Aided {
         let x = filter.parts();
         let turn = Turn::by(&-x.turned(step.increment_rad, step.dt_s));
         filter.spread(&turn, step.increment_rad, step.dt_s, &step.noise);
-        let sigma_ut = self.adaptation.mean_sigma_ut();
+        let sigma_ut = self.adaptation.mean.sigma_ut();
         let step = &Step { sigma_ut, ..*step };
         if step.is_blank {
-            self.adaptation.pass_mean(&turn.rotation);
+            self.adaptation.mean.pass(&turn.rotation);
         } else {
-            self.adaptation.step_mean(step, &x, &turn.rotation, &self.tuning);
+            let memory_s = self.tuning.settled_s;
+            self.adaptation.mean.step(step.raw_ut, &x, &turn.rotation, step.dt_s, memory_s, &self.tuning);
         }
         self.quarantine.turn(step);
         if step.is_blank {
@@ -142,7 +144,7 @@ impl Aided {
             self.absorb(step, &innovation, usage);
         }
         let Phase::Running(running) = &mut self.phase else { return };
-        if running.watch.share() > self.tuning.suspect_share {
+        if running.watch.share > self.tuning.suspect_share {
             if self.tuning.quarantine
                 && !step.resting
                 && let Some(proven) = self.quarantine.take_back(&step.noise)
@@ -150,7 +152,7 @@ impl Aided {
                 running.filter = proven;
             }
             self.begin_trial(false);
-        } else if running.watch.share() < 0.5 * self.tuning.suspect_share {
+        } else if running.watch.share < 0.5 * self.tuning.suspect_share {
             self.quarantine.learned(&running.filter, step.dt_s, &self.tuning);
         }
     }

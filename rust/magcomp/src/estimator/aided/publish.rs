@@ -57,13 +57,13 @@ impl Aided {
         let swing = filter.parts().true_rate(step.rate_rad_s).cross(f);
         let timing = swing * swing.transpose() * filter.delay_s2();
         let floor = self.adaptation.floor_ut2(&self.tuning);
-        let noise = w * w.transpose() * self.adaptation.sigma_ut().powi(2);
+        let noise = w * w.transpose() * self.adaptation.sample.sigma_ut().powi(2);
         // what c and f differ by is learned from frames
-        let of_means_ut2 = (w * w.transpose()).trace() / 3.0 * self.adaptation.mean_sigma_ut().powi(2);
+        let of_means_ut2 = (w * w.transpose()).trace() / 3.0 * self.adaptation.mean.sigma_ut().powi(2);
         let mut unseen = self.adaptation.local_ut2(of_means_ut2, &self.tuning) + floor;
         if let Phase::Undecided(running, _) = &self.phase {
             // c is wrong by the step if it is the device's
-            unseen += running.watch.misfit_ut().powi(2) / 3.0;
+            unseen += running.watch.misfit_ut.powi(2) / 3.0;
         }
         let p_c =
             calibration_covariance(&filter.own(CALIBRATION), w, f) + noise + Matrix3::identity() * unseen + timing;
@@ -82,7 +82,7 @@ impl Aided {
         };
         let answer = filter.parts().corrected(raw_ut).and_then(|Corrected { inverse_iron: w, field_ut: c }| {
             // one-step increments mean nothing without a rotation: no more noise than at the start
-            let sigma_ut = self.adaptation.sigma_ut().min(self.tuning.noise_start_ut);
+            let sigma_ut = self.adaptation.sample.sigma_ut().min(self.tuning.noise_start_ut);
             let noise = w * w.transpose() * sigma_ut.powi(2);
             let floor = Matrix3::identity() * self.adaptation.floor_ut2(&self.tuning);
             let p_c = calibration_covariance(&filter.own(CALIBRATION), &w, &c) + noise + floor;
@@ -113,8 +113,8 @@ impl Aided {
             Phase::Starting(first) if first.given.is_none() => Status::Collecting(first.missing()),
             Phase::Starting(_) if at_rest => Status::Held(HoldReason::AtRest),
             Phase::Starting(_) => Status::Held(HoldReason::TooLittleRotation),
-            Phase::Undecided(_, trial) if trial.is_place() => Status::Disturbed { since_ns: trial.onset_ns() },
-            Phase::Undecided(_, trial) => Status::Suspect { since_ns: trial.onset_ns() },
+            Phase::Undecided(_, trial) if trial.is_place => Status::Disturbed { since_ns: trial.onset_ns },
+            Phase::Undecided(_, trial) => Status::Suspect { since_ns: trial.onset_ns },
             Phase::Running(running) => {
                 if let Some(earth) = running.earth.as_ref().filter(|earth| earth.is_elsewhere()) {
                     Status::Disturbed { since_ns: earth.since_ns }

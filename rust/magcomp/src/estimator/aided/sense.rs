@@ -39,18 +39,18 @@ impl Aided {
         self.motion.carry_up(&turn, up, &known, rotation.variance_rad2, dt_s, tuning);
         let Waited { raw_ut, is_blank, age_s: late_s } = sample;
         if *is_blank {
-            self.adaptation.pass(&turn);
+            self.adaptation.sample.pass(&turn);
         } else {
-            self.adaptation.step(raw_ut, &known, &turn, dt_s, tuning);
+            self.adaptation.sample.step(raw_ut, &known.x, &turn, dt_s, tuning.memory_s, tuning);
         }
         let motion = self.motion.amount(tuning);
         // warming goes on at rest; what else is learned shows in motion only
         let least_ut2 = tuning.offset_walk_ut.powi(2);
-        let walk_ut2 = least_ut2 + (self.adaptation.walk_ut().powi(2) - least_ut2) * motion;
+        let walk_ut2 = least_ut2 + (self.adaptation.walk_ut.powi(2) - least_ut2) * motion;
         let noise = ProcessNoise {
             bridged_rad2: rotation.variance_rad2,
             offset_ut: if tuning.hard_iron_walk { walk_ut2.sqrt() } else { 0.0 },
-            local_ut: hypot(self.adaptation.local_ut(), self.bursts.left_ut2(tuning).sqrt()),
+            local_ut: hypot(self.adaptation.local_ut, self.bursts.left_ut2(tuning).sqrt()),
             local_time_s: tuning.local_time_s,
         };
         let rest_sd_rad_s = tuning.unknown_bias_rad_s() * (SAMPLE_S / dt_s).sqrt();
@@ -69,7 +69,7 @@ impl Aided {
             angle_rad,
             dt_s,
             noise,
-            sigma_ut: self.adaptation.sigma_ut(),
+            sigma_ut: self.adaptation.sample.sigma_ut(),
             late_s: *late_s,
             bias_sd_rad_s: known.bias_sd_rad_s,
             resting: self.motion.at_rest(),

@@ -67,7 +67,7 @@ impl Aided {
                 if dt_s > self.tuning.walk_s {
                     self.begin(Some(running.kept()));
                 } else {
-                    running.lose_field(raw_ut, self.adaptation.local_ut());
+                    running.lose_field(raw_ut, self.adaptation.local_ut);
                     self.phase = Phase::Running(running.gone_on());
                 }
             }

@@ -43,31 +43,16 @@ impl Former {
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Watch {
     /// Low-passed share of gated samples.
-    share: f64,
+    pub(super) share: f64,
     /// When the present run of gated samples began.
-    since_ns: i64,
+    pub(super) since_ns: i64,
     /// Low-passed |v| over gated samples, uT.
-    misfit_ut: f64,
+    pub(super) misfit_ut: f64,
     /// Low-passed residual of the former calibration over gated samples, uT.
     former_ut: Vector3<f64>,
 }
 
 impl Watch {
-    /// Low-passed share of gated samples.
-    pub(crate) fn share(&self) -> f64 {
-        self.share
-    }
-
-    /// When the present run of gated samples began.
-    pub(crate) fn since_ns(&self) -> i64 {
-        self.since_ns
-    }
-
-    /// Low-passed size of what did not fit, uT.
-    pub(crate) fn misfit_ut(&self) -> f64 {
-        self.misfit_ut
-    }
-
     /// A run of misfits begins here, whatever the share is.
     pub(crate) fn begin(&mut self, time_ns: i64, misfit_ut: f64) {
         self.since_ns = time_ns;

@@ -67,23 +67,20 @@ fn noise_is_learned_at_most_at_once_and_never_less_than_the_least() {
 }
 
 #[test]
-fn samples_and_means_of_frames_are_learned_apart_until_a_sample_stands_alone() {
+fn samples_and_means_of_frames_are_learned_apart() {
     let tuning = Tuning::default();
     let (x, _) = parts();
-    let known = Known { x, bias_sd_rad_s: 0.0, axes_sd: 0.0 };
     let mut adaptation = Adaptation::new(&tuning);
     let one = Matrix3::identity();
     for k in 0..2 {
-        adaptation.step(&Vector3::repeat(f64::from(k)), &known, &one, DT_S, &tuning);
-        adaptation.step_mean(&step(0.0), &known.x, &one, &tuning);
+        adaptation.sample.step(&Vector3::repeat(f64::from(k)), &x, &one, DT_S, tuning.memory_s, &tuning);
+        adaptation.mean.step(step(0.0).raw_ut, &x, &one, DT_S, tuning.settled_s, &tuning);
     }
     let start = tuning.noise_start_ut.powi(2);
     // |(1, 1, 1)|^2 / 6; the means are all zero
     let sample = start + DT_S / tuning.memory_s * (0.5 - start);
     let mean = start * (1.0 - DT_S / tuning.settled_s);
-    assert!(close(adaptation.sigma_ut().powi(2), sample) && close(adaptation.mean_sigma_ut().powi(2), mean));
-    adaptation.stand_alone();
-    assert_eq!(adaptation.mean_sigma_ut(), adaptation.sigma_ut());
+    assert!(close(adaptation.sample.sigma_ut().powi(2), sample) && close(adaptation.mean.sigma_ut().powi(2), mean));
     adaptation.forget_previous();
     assert!(adaptation.sample.previous.is_none() && adaptation.mean.previous.is_none());
 }
@@ -108,17 +105,17 @@ fn a_walk_is_what_corrections_of_two_windows_have_in_common() {
         let mut adaptation = Adaptation::new(&tuning);
         adaptation.restart_walk(NOTHING, 1.0);
         for half_ut in [Vector3::new(0.1, 0.0, 0.0); 2] {
-            assert_eq!(adaptation.walk_ut(), tuning.offset_walk_ut);
+            assert_eq!(adaptation.walk_ut, tuning.offset_walk_ut);
             adaptation.walk(&half_ut, 1.0, dt_s, &tuning);
         }
-        assert_eq!(adaptation.walk_ut(), tuning.offset_walk_ut);
+        assert_eq!(adaptation.walk_ut, tuning.offset_walk_ut);
         assert_eq!((adaptation.walked_before_ut, adaptation.walked_s), (Vector3::new(0.2, 0.0, 0.0), 0.0));
         for half_ut in [second_ut; 2] {
             adaptation.walk(&half_ut, 1.0 + grown_ut2, dt_s, &tuning);
         }
         let expected =
             seen.map_or(least, |seen| least + window_s / tuning.settled_s * (seen - least)).max(least).sqrt();
-        assert!(close(adaptation.walk_ut(), expected), "{second_ut}: {} for {expected}", adaptation.walk_ut());
+        assert!(close(adaptation.walk_ut, expected), "{second_ut}: {} for {expected}", adaptation.walk_ut);
         assert_eq!(adaptation.walk_began_ut2, 1.0 + grown_ut2);
     }
 }
@@ -131,11 +128,11 @@ fn the_walk_stays_within_its_largest() {
         adaptation.walk(&Vector3::x(), 0.0, tuning.walk_s, &tuning);
     }
     // a microtesla a window: (1 / (3 * 2.5 s))^0.5 a root second
-    assert!((adaptation.walk_ut() - (1.0 / (3.0 * tuning.walk_s)).sqrt()).abs() < 1e-3, "{}", adaptation.walk_ut());
+    assert!((adaptation.walk_ut - (1.0 / (3.0 * tuning.walk_s)).sqrt()).abs() < 1e-3, "{}", adaptation.walk_ut);
     for _ in 0..400 {
         adaptation.walk(&(Vector3::x() * 100.0), 0.0, tuning.walk_s, &tuning);
     }
-    assert_eq!(adaptation.walk_ut(), tuning.largest_walk_ut);
+    assert_eq!(adaptation.walk_ut, tuning.largest_walk_ut);
 }
 
 /// c and f differ by a constant: every low-pass ends there.
@@ -198,5 +195,5 @@ fn an_uneven_place_is_expected_at_once() {
     let tuning = Tuning::default();
     let mut adaptation = Adaptation { local_ut: 0.1, ..Adaptation::new(&tuning) };
     adaptation.expect_uneven(&tuning);
-    assert_eq!(adaptation.local_ut(), tuning.local_most_ut);
+    assert_eq!(adaptation.local_ut, tuning.local_most_ut);
 }

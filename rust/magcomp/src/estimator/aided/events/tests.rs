@@ -70,7 +70,7 @@ fn nothing_wins_before_the_device_has_turned_and_the_change_has_held() {
                 log_ratio: ABOVE * tuning.decide_log_ratio,
                 ..Trial::default()
             };
-            trial.must_hold(hold_s);
+            trial.began.hold_s = hold_s;
             assert_eq!(decided(trial, &tuning), Some(expected), "recalled {recalled}, {hold_s} s, {turned}, {held}");
         }
     }
@@ -96,8 +96,8 @@ fn a_place_is_found_now_and_is_new_when_it_has_lasted() {
     let tuning = Tuning::default();
     let mut trial = Trial { log_ratio: -ABOVE * tuning.decide_log_ratio, ..open(&tuning) };
     assert_eq!(trial.decide(NOW_NS, DT_S, &tuning), Some(Verdict::Place));
-    assert!(trial.is_place() && !trial.was_place());
-    assert_eq!((trial.fitted_ns, trial.place_s, trial.onset_ns()), (NOW_NS, 0.0, 5_000_000_000));
+    assert!(trial.is_place && !trial.was_place);
+    assert_eq!((trial.fitted_ns, trial.place_s, trial.onset_ns), (NOW_NS, 0.0, 5_000_000_000));
     // it lasts whatever the device does, and is remembered to have fitted while nearly all samples did
     for (misfit, fitted_ns) in [(0.99, NOW_NS + 1), (1.01, NOW_NS)] {
         let place_misfit = misfit * 0.5 * tuning.suspect_share;
@@ -156,6 +156,6 @@ fn the_likelier_hypothesis_is_explained_first() {
         assert_eq!(told.map(|it| it.onset_ns), [5; 2]);
         let shares = if log_ratio > 0.0 { [0.1, 0.2] } else { [0.2, 0.1] };
         assert_eq!(told.map(|it| it.gated_share), shares.map(Some));
-        assert_eq!(trial.compared_turn_rad(), 0.7);
+        assert_eq!(trial.rotation_rad, 0.7);
     }
 }

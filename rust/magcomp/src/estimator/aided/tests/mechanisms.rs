@@ -77,7 +77,7 @@ fn a_part_of_the_state_that_is_off_stays_where_it_is() {
     assert!(aided.phase.running().unwrap().filter.part(DELAY).amax() < nothing);
     let (_, aided) = without("unevenness");
     assert!(aided.phase.running().unwrap().filter.part(LOCAL).amax() < 20.0 * 1e-4);
-    assert_eq!((aided.adaptation.local_ut(), aided.adaptation.floor_ut2(&aided.tuning)), (0.0, 0.0));
+    assert_eq!((aided.adaptation.local_ut, aided.adaptation.floor_ut2(&aided.tuning)), (0.0, 0.0));
     let (_, aided) = without("");
     let filter = &aided.phase.running().unwrap().filter;
     // the world has no delay: that it was sought shows in what is known of it
@@ -127,7 +127,7 @@ fn without_a_new_place_its_field_is_the_earths() {
 #[test]
 fn noise_that_is_not_learned_is_that_of_the_start() {
     let (_, aided) = without("noise_learning");
-    assert_eq!(aided.adaptation.sigma_ut(), Tuning::default().noise_start_ut);
+    assert_eq!(aided.adaptation.sample.sigma_ut(), Tuning::default().noise_start_ut);
 }
 
 /// A walk of two minutes with everything in it: an uneven place at the start and a cover put on meanwhile, a magnet passed every few seconds, another place

@@ -169,7 +169,7 @@ fn rows_without_a_sample_between_those_that_have_one_cost_nothing() {
                 }
             }
             let off_ut = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm();
-            (off_ut, aided.adaptation.sigma_ut(), aided.event.is_some())
+            (off_ut, aided.adaptation.sample.sigma_ut(), aided.event.is_some())
         };
         let before = run(&mut world, 4_000);
         world.hard_iron_ut.x += 20.0;

@@ -36,14 +36,14 @@ fn share_misfit_and_residual_are_low_passes_over_gated_samples() {
         }
     }
     let close = |found: f64, expected: f64| (found - expected).abs() < 1e-12 * expected.abs().max(1.0);
-    assert!(close(watch.share(), low_passed(0.0, &gated, tuning.memory_s)), "{}", watch.share());
+    assert!(close(watch.share, low_passed(0.0, &gated, tuning.memory_s)), "{}", watch.share);
     // the run began with the first two: until a tenth of the share is full, each gated sample begins it anew
     let begin =
         gated.iter().enumerate().take_while(|(k, _)| low_passed(0.0, &gated[..*k], tuning.memory_s) < 0.1).count() - 1;
     assert_eq!(begin, 2);
-    assert_eq!(watch.since_ns(), step(2).time_ns);
+    assert_eq!(watch.since_ns, step(2).time_ns);
     let short_s = 0.5 * tuning.quick_s;
-    assert!(close(watch.misfit_ut(), low_passed(misfits[begin], &misfits[begin..], short_s)), "{}", watch.misfit_ut());
+    assert!(close(watch.misfit_ut, low_passed(misfits[begin], &misfits[begin..], short_s)), "{}", watch.misfit_ut);
     for axis in 0..3 {
         let own: Vec<f64> = residuals[begin..].iter().map(|it| it[axis]).collect();
         assert!(close(watch.former_ut[axis], low_passed(own[0], &own, short_s)), "{axis}: {}", watch.former_ut);
@@ -63,7 +63,7 @@ fn what_fits_is_believed_sooner_while_hypotheses_run() {
         let mut watch = Watch { share: 0.5, ..Watch::default() };
         watch.step(&step(0), is_gated.then_some(&v), None, clearing, &tuning);
         let expected = low_passed(0.5, &[f64::from(is_gated)], time_s);
-        assert!((watch.share() - expected).abs() < 1e-15, "{clearing}, {is_gated}: {}", watch.share());
+        assert!((watch.share - expected).abs() < 1e-15, "{clearing}, {is_gated}: {}", watch.share);
     }
 }
 
@@ -74,11 +74,11 @@ fn a_run_of_misfits_goes_on_while_a_tenth_of_the_samples_are_gated() {
     for (share, since_ns) in [(0.51, 7), (0.49, step(0).time_ns)] {
         let mut watch = Watch { share: share * tuning.suspect_share, former_ut: Vector3::x(), ..Watch::default() };
         watch.begin(7, 4.0);
-        assert_eq!((watch.since_ns(), watch.misfit_ut()), (7, 4.0));
+        assert_eq!((watch.since_ns, watch.misfit_ut), (7, 4.0));
         watch.step(&step(0), Some(&v), None, false, &tuning);
         let before_ut = if since_ns == 7 { 4.0 } else { 9.0 };
-        assert_eq!(watch.since_ns(), since_ns);
-        assert!((watch.misfit_ut() - low_passed(before_ut, &[9.0], 0.5 * tuning.quick_s)).abs() < 1e-12);
+        assert_eq!(watch.since_ns, since_ns);
+        assert!((watch.misfit_ut - low_passed(before_ut, &[9.0], 0.5 * tuning.quick_s)).abs() < 1e-12);
         // without a former calibration what a former one left is forgotten where the run begins
         assert_eq!(watch.former_ut, if since_ns == 7 { Vector3::x() } else { Vector3::zeros() });
     }
