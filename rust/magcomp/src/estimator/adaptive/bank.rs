@@ -129,7 +129,8 @@ impl Bank {
             let mut filter = Filter::new(Kind::Cold, base, lin, self.frames.next, frame.time_ns);
             filter.id = id;
             filter.scale_sd = Some(if strength_known { tuning.soft_iron } else { EARTH_SD });
-            filter.restart();
+            // linear about its side
+            filter.now = filter.start();
             self.all.push(filter);
         }
     }
@@ -330,11 +331,6 @@ impl Bank {
             covariance += (known.covariance + off * off.transpose()) * share;
         }
         Some(Gaussian { mean, covariance })
-    }
-
-    /// All hypotheses, in no order.
-    pub fn each(&self) -> impl Iterator<Item = &Filter> {
-        self.all.iter()
     }
 
     /// Probability of all hypotheses for which `is` holds.

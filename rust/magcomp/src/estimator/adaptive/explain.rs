@@ -40,7 +40,7 @@ impl Adaptive {
         // twins and forks share the name of their change
         let mut ids = [0; EXPLAINED_HYPOTHESES];
         for k in 0..EXPLAINED_HYPOTHESES {
-            let others = self.bank.each().filter(|h| !ids[..k].contains(&h.id));
+            let others = self.bank.all.iter().filter(|h| !ids[..k].contains(&h.id));
             let Some(next) = others.max_by(|a, b| a.log_joint().total_cmp(&b.log_joint())) else { break };
             ids[k] = next.id;
             found[k] = Some(ChangeHypothesis {

@@ -228,11 +228,6 @@ impl Filter {
         state
     }
 
-    /// Begins to be linear about a point.
-    pub fn restart(&mut self) {
-        self.now = self.start();
-    }
-
     /// Log probability of a point before the frames of the window, up to a constant.
     pub fn log_prior(&self, tau: &Tau) -> f64 {
         let before = self.base.known();

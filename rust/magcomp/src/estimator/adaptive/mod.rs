@@ -203,7 +203,7 @@ impl Adaptive {
     /// A complete group of neighbours.
     fn take(&mut self, group: &Group) {
         let tuning = self.tuning;
-        let (count, time_ns) = (group.samples().len() as f64, group.began_ns());
+        let (count, time_ns) = (group.count, group.began_ns);
         let Some((pooled, stay, moved_s)) = self.pool(group) else {
             self.usage = Some(SampleUse::AtRest);
             return;
@@ -249,7 +249,7 @@ impl Adaptive {
 
     /// A group enters the means of its stay; such a mean where it is complete, its variance, and for how long the device moved before it, s.
     fn pool(&mut self, group: &Group) -> Option<(Pooled, f64, f64)> {
-        let (u, time_ns) = (group.mean(), group.began_ns());
+        let (u, time_ns) = (group.mean(), group.began_ns);
         let stays = (u - self.stay.at).norm()
             < self.tuning.frame_ut / self.unit_ut + 3.0 * (self.white() * self.tuning.grouped).sqrt();
         let mut moved_s = 0.0;

@@ -72,7 +72,7 @@ fn a_mixture_has_the_mean_and_the_second_moment_of_its_parts() {
         assert!((found.covariance[(i, j)] - expected).abs() < 1e-9, "{i}, {j}: {}", found.covariance[(i, j)]);
     }
     assert!((bank.probability(|it| it.id == 1) - 0.75).abs() < 1e-12);
-    assert_eq!(bank.each().count(), 2);
+    assert_eq!(bank.all.len(), 2);
     bank.clear();
     assert_eq!((bank.all.len(), bank.next_id, bank.best().is_none()), (0, 0, true));
 }
@@ -134,7 +134,7 @@ fn the_hopeless_and_the_needless_go() {
     bank.all[3].kind = Kind::Cold;
     bank.all[4].now.log = f64::NEG_INFINITY;
     bank.prune();
-    let mut ids: Vec<_> = bank.each().map(|it| it.id).collect();
+    let mut ids: Vec<_> = bank.all.iter().map(|it| it.id).collect();
     ids.sort_unstable();
     assert_eq!(ids, [1, 2, 4]);
     // it is old after eight frames
@@ -155,5 +155,5 @@ fn the_hopeless_and_the_needless_go() {
     }
     bank.prune();
     assert_eq!(bank.all.len(), MOST);
-    assert!(bank.each().all(|it| it.now.log == 1.0));
+    assert!(bank.all.iter().all(|it| it.now.log == 1.0));
 }
