@@ -42,9 +42,6 @@ fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
 
 /// Lets SIGINT, SIGTERM and SIGHUP remove the temporary files before they end the process as usual. A signal that is ignored
 /// from the start, such as SIGHUP under `nohup`, stays ignored where the system tells so (Linux).
-///
-/// # Errors
-/// When the system refuses a handler.
 #[cfg(unix)]
 pub fn remove_unfinished_on_signals() -> io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -66,9 +63,6 @@ pub fn remove_unfinished_on_signals() -> io::Result<()> {
 }
 
 /// Elsewhere signals end the process as ever.
-///
-/// # Errors
-/// None.
 #[cfg(not(unix))]
 pub fn remove_unfinished_on_signals() -> io::Result<()> {
     Ok(())
@@ -94,9 +88,6 @@ enum Content {
 
 impl AtomicFile {
     /// Begins to write `path`.
-    ///
-    /// # Errors
-    /// [`LabError::Write`] names the file and why.
     pub fn create(path: &Path) -> Result<Self, LabError> {
         let begin = || -> io::Result<Target> {
             match fs::metadata(path) {
@@ -147,9 +138,6 @@ impl AtomicFile {
     }
 
     /// Writes through `content`.
-    ///
-    /// # Errors
-    /// [`LabError::Write`].
     pub fn write(&mut self, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), LabError> {
         let written = match &mut self.content {
             Content::Plain(out) => content(out),
@@ -159,9 +147,6 @@ impl AtomicFile {
     }
 
     /// Moves it into place.
-    ///
-    /// # Errors
-    /// [`LabError::Write`].
     pub fn finish(self) -> Result<(), LabError> {
         let finish = || -> io::Result<()> {
             let mut target = match self.content {
@@ -182,9 +167,6 @@ impl AtomicFile {
 }
 
 /// Writes `path` through `content`, as an [`AtomicFile`].
-///
-/// # Errors
-/// [`LabError::Write`] names the file and why.
 pub fn write_atomically(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), LabError> {
     let mut file = AtomicFile::create(path)?;
     file.write(content)?;

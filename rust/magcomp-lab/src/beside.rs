@@ -7,9 +7,6 @@ use std::fs::File;
 use std::path::Path;
 
 /// Reads all lines of a table, CSV with a header, gzipped or not, each as a value of one type; `expected` names its form for errors.
-///
-/// # Errors
-/// [`RecordingError::Form`] for a file of another form, [`RecordingError::Read`] when it cannot be read.
 pub fn read_table<T: DeserializeOwned>(path: &Path, expected: &str) -> Result<Vec<T>, RecordingError> {
     let file = File::open(path).and_then(unzipped).map_err(RecordingError::read(path))?;
     let wrong = |error: csv::Error| RecordingError::Form {

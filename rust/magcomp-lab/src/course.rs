@@ -37,13 +37,11 @@ pub enum Course {
 
 impl Course {
     /// From `at_s` on.
-    #[must_use]
     pub fn step(at_s: f64) -> Self {
         Self::Held { at_s, over_s: 0.0, until_s: None }
     }
 
     /// The share at a time, s.
-    #[must_use]
     pub fn at(&self, time_s: f64) -> f64 {
         match self {
             Self::Held { at_s, over_s, until_s } => {
@@ -89,20 +87,17 @@ pub struct DevicePart {
 
 impl DevicePart {
     /// Of b alone.
-    #[must_use]
     pub fn offset(course: Course, hard_iron_ut: Vector3<f64>) -> Self {
         Self { course, hard_iron_ut, soft_iron: Matrix3::zeros(), detour_ut: Vector3::zeros() }
     }
 
     /// What leads from one set of parameters to another, where the field is `field_ut`.
-    #[must_use]
     pub fn between(course: Course, from: &Parameters, to: &Parameters, field_ut: f64) -> Self {
         let offset_ut = (to.hard_iron - from.hard_iron) * field_ut;
         Self { soft_iron: to.soft_iron - from.soft_iron, ..Self::offset(course, offset_ut) }
     }
 
     /// What it adds to M and b at a time, s.
-    #[must_use]
     pub fn at(&self, time_s: f64) -> (Matrix3<f64>, Vector3<f64>) {
         let share = self.course.at(time_s);
         (self.soft_iron * share, self.hard_iron_ut * share + self.detour_ut * self.course.under_way(time_s))

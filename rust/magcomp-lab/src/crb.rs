@@ -27,7 +27,6 @@ pub struct FisherInformation {
 impl FisherInformation {
     /// No samples yet, for true `parameters` and noise of standard deviation `noise` per axis, field strengths.
     /// None when M has no inverse.
-    #[must_use]
     pub fn new(parameters: &Parameters, noise: f64) -> Option<Self> {
         let inverse_transposed = parameters.soft_iron.try_inverse()?.transpose();
         Some(Self { inverse_transposed, sum: SMatrix::zeros(), noise, samples: 0 })
@@ -53,14 +52,12 @@ impl FisherInformation {
     }
 
     /// The information matrix.
-    #[must_use]
     pub fn matrix(&self) -> &SMatrix<f64, 9, 9> {
         &self.sum
     }
 
     /// The bound: smallest possible variance of each parameter. None while the samples do not determine all nine: each
     /// adds a matrix of rank one.
-    #[must_use]
     pub fn smallest_variances(&self) -> Option<[f64; 9]> {
         if self.samples < 9 {
             return None;

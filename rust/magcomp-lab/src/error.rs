@@ -51,13 +51,11 @@ impl LabError {
     }
 
     /// Whether the options were wrong, or the input was several recordings at once.
-    #[must_use]
     pub fn is_usage(&self) -> bool {
         matches!(self, Self::Usage(_) | Self::Recording(RecordingError::Usage(_) | RecordingError::Several { .. }))
     }
 
     /// Whether the reader of our output has closed it, which is no failure.
-    #[must_use]
     pub fn is_broken_pipe(&self) -> bool {
         matches!(self, Self::Stdout(source) | Self::Write { source, .. } if source.kind() == io::ErrorKind::BrokenPipe)
     }

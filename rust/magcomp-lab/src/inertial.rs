@@ -68,7 +68,6 @@ impl Fault {
 
 impl InertialSensor {
     /// A phone's gyroscope: 100 Hz, 0.003 rad/s noise, no bias.
-    #[must_use]
     pub fn gyroscope() -> Self {
         Self {
             rate_hz: 100.0,
@@ -85,7 +84,6 @@ impl InertialSensor {
     }
 
     /// A phone's accelerometer: 100 Hz, 0.05 m/s^2 noise, no bias.
-    #[must_use]
     pub fn accelerometer() -> Self {
         Self { noise: 0.05, ..Self::gyroscope() }
     }
@@ -131,7 +129,6 @@ impl InertialSensor {
     }
 
     /// As a gyroscope: body rates of a trajectory.
-    #[must_use]
     pub fn rotation_rates(
         &self,
         trajectory: &Trajectory,
@@ -144,7 +141,6 @@ impl InertialSensor {
     }
 
     /// As an accelerometer: up in the device frame of a trajectory, and its acceleration.
-    #[must_use]
     pub fn ups(&self, trajectory: &Trajectory, duration_s: f64, random: &mut Random) -> Vec<UpSample> {
         let up = Vector3::z() * GRAVITY_M_S2;
         let felt = |time_s| trajectory.at(time_s).0.inverse() * (up + trajectory.acceleration(time_s));

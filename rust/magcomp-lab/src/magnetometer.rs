@@ -14,7 +14,6 @@ pub enum Noise {
 
 impl Noise {
     /// Standard deviation per axis, uT, in a field of `field_ut`.
-    #[must_use]
     pub fn sigma_ut(self, field_ut: f64) -> f64 {
         match self {
             Self::SnrDb(db) => field_ut * 10f64.powf(-db / 20.0),
@@ -87,7 +86,6 @@ pub struct Magnetometer {
 
 impl Magnetometer {
     /// One without oddities.
-    #[must_use]
     pub fn plain(rate_hz: f64, noise: Noise) -> Self {
         Self {
             rate_hz,

@@ -23,13 +23,11 @@ pub struct Parameters {
 
 impl Parameters {
     /// No disturbance: M = I, b = 0.
-    #[must_use]
     pub fn none() -> Self {
         Self { soft_iron: Matrix3::identity(), hard_iron: Vector3::zeros() }
     }
 
     /// From theta = [Mxx, Myy, Mzz, Mxy, Mxz, Myz, bx, by, bz].
-    #[must_use]
     pub fn from_theta(t: [f64; 9]) -> Self {
         Self {
             soft_iron: Matrix3::new(t[0], t[3], t[4], t[3], t[1], t[5], t[4], t[5], t[2]),
@@ -38,14 +36,12 @@ impl Parameters {
     }
 
     /// theta = [Mxx, Myy, Mzz, Mxy, Mxz, Myz, bx, by, bz].
-    #[must_use]
     pub fn theta(&self) -> [f64; 9] {
         let (m, b) = (&self.soft_iron, &self.hard_iron);
         [m.m11, m.m22, m.m33, m.m12, m.m13, m.m23, b.x, b.y, b.z]
     }
 
     /// The parameters of a calibration.
-    #[must_use]
     pub fn of(calibration: &Calibration) -> Self {
         Self {
             soft_iron: *calibration.soft_iron(),
@@ -54,7 +50,6 @@ impl Parameters {
     }
 
     /// All nine times `factor`: the paper's step is 1.5.
-    #[must_use]
     pub fn times(&self, factor: f64) -> Self {
         Self { soft_iron: self.soft_iron * factor, hard_iron: self.hard_iron * factor }
     }
@@ -74,7 +69,6 @@ pub enum ParameterSet {
 
 impl ParameterSet {
     /// The parameters before the step.
-    #[must_use]
     pub fn parameters(self) -> Parameters {
         Parameters::from_theta(match self {
             Self::Ref => [1.05, 0.95, 1.00, 0.06, -0.05, 0.08, 0.30, -0.20, 1.32],
@@ -110,7 +104,6 @@ pub struct TrueParameters {
 
 impl TrueParameters {
     /// Whether some are the user's own numbers.
-    #[must_use]
     pub fn are_own(&self) -> bool {
         self.soft_iron.is_some() || self.hard_iron.is_some() || self.has_factory_errors()
     }
@@ -120,7 +113,6 @@ impl TrueParameters {
     }
 
     /// Their name, for titles.
-    #[must_use]
     pub fn name(&self, usual: ParameterSet) -> String {
         let set = self.set.unwrap_or(usual).to_possible_value();
         let set = set.map_or_else(String::new, |value| value.get_name().to_uppercase());
@@ -128,9 +120,6 @@ impl TrueParameters {
     }
 
     /// The parameters; of `usual` where none are given.
-    ///
-    /// # Errors
-    /// [`LabError::Usage`] when own numbers are no calibration.
     pub fn parameters(&self, usual: ParameterSet) -> Result<Parameters, LabError> {
         let Parameters { mut soft_iron, mut hard_iron } = self.set.unwrap_or(usual).parameters();
         if !self.are_own() {
@@ -163,7 +152,6 @@ pub struct Numbers<const N: usize>(pub [f64; N]);
 
 impl Numbers<3> {
     /// As a vector.
-    #[must_use]
     pub fn vector(self) -> Vector3<f64> {
         Vector3::from(self.0)
     }

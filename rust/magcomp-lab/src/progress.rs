@@ -17,7 +17,6 @@ pub struct Progress {
 }
 
 /// Progress of so many steps.
-#[must_use]
 pub fn bar(steps: usize, what: &'static str) -> Progress {
     let bar = ProgressBar::with_draw_target(Some(steps as u64), ProgressDrawTarget::stderr_with_hz(8));
     if let Ok(style) = ProgressStyle::with_template("{msg} [{bar:40}] {percent}% {eta} left") {

@@ -39,7 +39,6 @@ pub struct Random(ChaCha8Rng);
 
 impl Random {
     /// The stream of `purpose` under `seed`.
-    #[must_use]
     pub fn new(seed: u64, purpose: Purpose) -> Self {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         generator.set_stream(purpose as u64);

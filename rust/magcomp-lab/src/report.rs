@@ -97,7 +97,6 @@ const CURSOR: &str = include_str!("report.js");
 
 impl Report {
     /// A page with a title and a first paragraph.
-    #[must_use]
     pub fn new(title: &str, lead: &str) -> Self {
         Self { title: title.to_owned(), lead: lead.to_owned(), body: Vec::new(), sections: Vec::new(), tables: 0 }
     }
@@ -130,9 +129,6 @@ impl Report {
     }
 
     /// Folds what `add` adds under one line that opens it.
-    ///
-    /// # Errors
-    /// Those of `add`.
     pub fn folded<E>(&mut self, line: &str, add: impl FnOnce(&mut Self) -> Result<(), E>) -> Result<(), E> {
         self.html(format!("<details><summary>{}</summary>\n", escape(line)));
         let added = add(self);
@@ -194,9 +190,6 @@ impl Report {
     }
 
     /// Writes the pictures and `index.html` into `folder`, which is made where it is missing. Returns the page's path.
-    ///
-    /// # Errors
-    /// [`LabError::Write`].
     pub fn write(&self, folder: &Path) -> Result<PathBuf, LabError> {
         std::fs::create_dir_all(folder).map_err(LabError::write(folder))?;
         for (name, content) in self.body.iter().filter_map(Part::file) {
@@ -209,7 +202,6 @@ impl Report {
     }
 
     /// One page that needs no other file; `command` is what makes it.
-    #[must_use]
     pub fn alone(&self, command: &str) -> String {
         self.whole(Part::alone, command)
     }
@@ -266,7 +258,6 @@ fn without_folders(argument: &str) -> String {
 }
 
 /// The command with these arguments, as one types it into a shell.
-#[must_use]
 pub fn quoted(arguments: impl Iterator<Item = String>) -> String {
     let arguments = arguments.map(|argument| {
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=+".contains(c);

@@ -49,7 +49,6 @@ pub struct Scenario {
 }
 
 /// A field of this strength (uT) and dip (degrees, positive down) towards magnetic north, east-north-up.
-#[must_use]
 pub fn world_field_ut(strength_ut: f64, dip_deg: f64) -> Vector3<f64> {
     let (down, north) = dip_deg.to_radians().sin_cos();
     Vector3::new(0.0, north, -down) * strength_ut
@@ -119,21 +118,18 @@ pub struct Simulation {
 
 impl Scenario {
     /// M and b at a time, s: b in uT.
-    #[must_use]
     pub fn device_at(&self, time_s: f64) -> (Matrix3<f64>, Vector3<f64>) {
         let start = (self.device.soft_iron, self.device.hard_iron * self.earth_ut.norm());
         self.device_parts.iter().map(|part| part.at(time_s)).fold(start, |(m, b), (dm, db)| (m + dm, b + db))
     }
 
     /// The field at a time, s, east-north-up, uT.
-    #[must_use]
     pub fn world_at(&self, time_s: f64) -> Vector3<f64> {
         let besides = self.surroundings.iter().map(|it| it.at(time_s, &self.trajectory, &self.earth_ut));
         self.earth_ut + besides.sum::<Vector3<f64>>()
     }
 
     /// The stream this scenario names.
-    #[must_use]
     pub fn run(&self) -> Simulation {
         let random = |purpose| Random::new(self.seed, purpose);
         let (magnetic, truth) = self.magnetic();
@@ -243,7 +239,6 @@ impl Scenario {
 impl Simulation {
     /// It as a recording, with the truth that a reference would give: each sensor's events at their own times. Events behind the
     /// last sample are left out.
-    #[must_use]
     pub fn recording(&self, name: &str) -> Recording {
         let (mut rates, mut ups) = (self.rotation_rates.iter().peekable(), self.ups.iter().peekable());
         let samples = self.magnetic.iter().zip(&self.truth);

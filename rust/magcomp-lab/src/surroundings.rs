@@ -110,7 +110,6 @@ impl Surrounding {
     }
 
     /// What it adds at a time, s, east-north-up, uT.
-    #[must_use]
     pub fn at(&self, time_s: f64, trajectory: &Trajectory, earth_ut: &Vector3<f64>) -> Vector3<f64> {
         match self {
             Self::Shift { course, field_ut } => field_ut * course.at(time_s),

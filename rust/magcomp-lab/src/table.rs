@@ -25,7 +25,6 @@ pub struct Table {
 
 impl Table {
     /// An empty table.
-    #[must_use]
     pub fn new(title: &str, columns: &[&str]) -> Self {
         Self {
             title: title.to_owned(),
@@ -40,7 +39,6 @@ impl Table {
     }
 
     /// The same with blocks of columns below each other where they are wider than so many characters; the first column is in each.
-    #[must_use]
     pub fn within(&self, width: Option<usize>) -> String {
         let widths = self.widths();
         let Some(width) = width.filter(|width| widths.iter().map(|column| column + 2).sum::<usize>() > *width) else {
@@ -113,7 +111,6 @@ impl Table {
 
 impl Table {
     /// As markdown; a cell that begins with * is bold.
-    #[must_use]
     pub fn markdown(&self) -> String {
         let line = |cells: &[String]| {
             let cell = |cell: &String| match cell.strip_prefix('*') {
@@ -153,7 +150,6 @@ fn wrapped(text: &str, width: usize) -> Vec<String> {
 }
 
 /// A number with `digits` after the point; a dash where there is none.
-#[must_use]
 pub fn number(value: Option<f64>, digits: usize) -> String {
     value.filter(|v| v.is_finite()).map_or_else(|| "-".to_owned(), |v| format!("{v:.digits$}"))
 }

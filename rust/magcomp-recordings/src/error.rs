@@ -8,7 +8,6 @@ use std::path::{Path, PathBuf};
 const SHOWN: usize = 60;
 
 /// A text of a file that an error can show: short, on one line.
-#[must_use]
 pub fn shorten(text: &str) -> String {
     let text: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     if text.chars().count() <= SHOWN { text } else { text.chars().take(SHOWN).chain("...".chars()).collect() }

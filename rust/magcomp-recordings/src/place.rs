@@ -47,7 +47,6 @@ pub struct Day(Date);
 
 impl Day {
     /// The day (UTC) of a time, ns since 1970; none where it is not within 2000 to 2100: such a time counts from elsewhere.
-    #[must_use]
     pub fn of_unix_ns(time_ns: i64) -> Option<Self> {
         let date = OffsetDateTime::from_unix_timestamp(time_ns / 1_000_000_000).ok()?.date();
         (2000..2100).contains(&date.year()).then_some(Self(date))

@@ -32,7 +32,6 @@ pub struct Fusion {
 
 impl Fusion {
     /// With mu, 0 to 1.
-    #[must_use]
     pub fn new(rate: f64) -> Self {
         Self {
             rate,

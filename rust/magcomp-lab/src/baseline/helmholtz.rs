@@ -19,7 +19,6 @@ pub struct Helmholtz(Option<Calibration>);
 
 impl Helmholtz {
     /// A sensor of these parameters in a coil, |h| and noise in uT.
-    #[must_use]
     pub fn new(parameters: &Parameters, field_ut: f64, noise_ut: f64, seed: u64) -> Self {
         let mut random = Random::new(seed, Purpose::ConstantField);
         let mut read = |applied_ut: Vector3<f64>| {

@@ -47,7 +47,6 @@ pub struct Kalman {
 
 impl Kalman {
     /// With a random walk of variance `walk` a sample, negative for one that never restarts, and the true noise of the samples, uT.
-    #[must_use]
     pub fn new(unscented: bool, walk: f64, noise_ut: f64) -> Self {
         Self {
             unscented,

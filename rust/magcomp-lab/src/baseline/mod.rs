@@ -96,13 +96,11 @@ pub struct Known {
 
 impl Contestant {
     /// Its name on the command line.
-    #[must_use]
     pub fn name(self) -> String {
         self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
 
     /// The values of its one free number that are tried on other seeds; the first where there is nothing to tune.
-    #[must_use]
     pub fn grid(self) -> &'static [f64] {
         match self {
             Self::Linear | Self::Enclosing | Self::Sphere => &[150.0, 300.0, 600.0, 1200.0, 2000.0],
@@ -118,21 +116,16 @@ impl Contestant {
     }
 
     /// Whether it takes gyroscope and accelerometer too.
-    #[must_use]
     pub fn is_aided(self) -> bool {
         self.gives_attitude() || self == Self::AidedSample
     }
 
     /// Whether it answers with north by its own attitude, where others answer with a field.
-    #[must_use]
     pub fn gives_attitude(self) -> bool {
         matches!(self, Self::Aided | Self::VqfRaw | Self::VqfCorrected | Self::VqfTurns | Self::XioRaw | Self::Fusion)
     }
 
     /// A fresh one; None where it cannot take part.
-    ///
-    /// # Errors
-    /// [`ConfigError`].
     pub fn make(self, value: f64, known: &Known) -> Result<Option<Box<dyn Baseline>>, ConfigError> {
         let length = value as usize;
         let ours = |config: Config| Ours::new(config).map(|ours| Some(Box::new(ours) as Box<dyn Baseline>));

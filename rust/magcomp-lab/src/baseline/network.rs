@@ -51,7 +51,6 @@ impl Layers {
 
 impl Network {
     /// Untaught; `rate` is Adam's step.
-    #[must_use]
     pub fn new(rate: f64, seed: u64) -> Self {
         let mut random = Random::new(seed, Purpose::Bootstrap);
         let weights = SVector::from_fn(|_, _| random.normal() * 0.3);

@@ -18,9 +18,6 @@ pub struct Ours {
 
 impl Ours {
     /// Judged by the calibration in force.
-    ///
-    /// # Errors
-    /// [`ConfigError`].
     pub fn new(config: Config) -> Result<Self, ConfigError> {
         let compensator = Compensator::new(config)?;
         let calibration = compensator.calibration();
@@ -28,9 +25,6 @@ impl Ours {
     }
 
     /// Judged by the attitude that it publishes.
-    ///
-    /// # Errors
-    /// [`ConfigError`].
     pub fn attitude(config: Config) -> Result<Self, ConfigError> {
         Ok(Self { gives_attitude: true, ..Self::new(config)? })
     }

@@ -26,7 +26,6 @@ pub struct Vqf {
 
 impl Vqf {
     /// With a time constant, s; fed with the raw field, or with the corrected samples of `before`.
-    #[must_use]
     pub fn new(tau_mag_s: f64, before: Option<Box<dyn Baseline>>) -> Self {
         Self { tau_mag_s, before, times_ns: Default::default(), filter: None, rate_ns: 0, pointed: false }
     }

@@ -35,7 +35,6 @@ pub struct Windowed {
 
 impl Windowed {
     /// Over `length` samples.
-    #[must_use]
     pub fn new(surface: Surface, length: usize) -> Self {
         Self { surface, length, samples: VecDeque::with_capacity(length), count: 0, calibration: None }
     }

@@ -53,13 +53,11 @@ pub enum Group {
 
 impl Group {
     /// Its name on the command line, with which the names of its newer variants begin.
-    #[must_use]
     pub fn name(self) -> String {
         self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
 
     /// The table's title.
-    #[must_use]
     pub fn title(self) -> &'static str {
         match self {
             Self::Ordinary => "With gyroscope and accelerometer",

@@ -24,7 +24,6 @@ pub use variant::{DeviceKind, Kept, Variant};
 
 impl Group {
     /// Its variants, in the order of the table.
-    #[must_use]
     pub fn variants(self) -> Vec<Variant> {
         all().into_iter().filter(|variant| variant.group == self).collect()
     }
@@ -55,15 +54,11 @@ pub const COMPARED: [&str; 20] = [
 ];
 
 /// Every variant, a group after the other.
-#[must_use]
 pub fn all() -> Vec<Variant> {
     [phones::variants(), families::variants(), fields::variants(), readings::variants(), paper::variants()].concat()
 }
 
 /// The variant of that name.
-///
-/// # Errors
-/// A sentence that says where the names are found.
 pub fn find(name: &str) -> Result<Variant, String> {
     let found = all().into_iter().find(|variant| variant.name == name);
     found.ok_or_else(|| format!("no variant is called {name}; `magcomp evaluate --list` has all names"))

@@ -78,7 +78,6 @@ fn step(by: By) -> Happening {
 }
 
 /// A phone with all sensors.
-#[must_use]
 pub fn phone(name: &str, motion: Motion, change: PhoneChange) -> Variant {
     let moves = match motion {
         Motion::Tumble => "tumbling",
@@ -119,7 +118,6 @@ impl Variant {
     }
 
     /// With samples hit by spikes.
-    #[must_use]
     pub fn with_spikes(mut self, share: f64) -> Self {
         self.sensors.magnetometer.spikes = (share > 0.0).then_some(Spikes { share, size_ut: SPIKES_UT });
         self

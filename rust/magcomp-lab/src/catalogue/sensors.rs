@@ -54,7 +54,6 @@ pub struct Sensors {
 
 impl Sensors {
     /// A phone's without errors but noise: 0.5 uT of 50, 0.003 rad/s, 0.05 m/s^2, all at 100 Hz.
-    #[must_use]
     pub fn plain() -> Self {
         Self {
             magnetometer: Magnetometer::plain(100.0, Noise::SnrDb(40.0)),
@@ -82,7 +81,6 @@ impl Sensors {
     }
 
     /// A phone's with the errors that phones have.
-    #[must_use]
     pub fn carried() -> Self {
         Self {
             magnetometer: Magnetometer {
@@ -102,20 +100,17 @@ impl Sensors {
     }
 
     /// The same without gyroscope.
-    #[must_use]
     pub fn without_gyroscope(self) -> Self {
         Self { has_gyroscope: false, ..self }
     }
 
     /// Events of the magnetometer and the gyroscope a second. Those of a faster gyroscope are means over a shorter time, and noisier.
-    #[must_use]
     pub fn at_rates(mut self, magnetometer_hz: f64, gyro_hz: f64) -> Self {
         self.magnetometer.rate_hz = magnetometer_hz;
         Self { gyro_hz, gyro_noise: self.gyro_noise * (gyro_hz / self.gyro_hz).sqrt(), ..self }
     }
 
     /// All at this rate.
-    #[must_use]
     pub fn at_rate(mut self, rate_hz: f64) -> Self {
         self.magnetometer.rate_hz = rate_hz;
         Self { gyro_hz: rate_hz, accel_hz: rate_hz, ..self }

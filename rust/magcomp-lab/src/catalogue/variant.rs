@@ -73,20 +73,17 @@ pub enum DeviceKind {
 
 impl Variant {
     /// The config with which it is judged: the default with headings of the automatic axis, and what the data say.
-    #[must_use]
     pub fn config(&self) -> Config {
         let heading = HeadingConfig { axis: ReferenceAxis::Auto, ..HeadingConfig::default() };
         Config { heading, rail_ut: self.rail_ut, ..Config::default() }
     }
 
     /// The stream of a seed.
-    #[must_use]
     pub fn stream(&self, seed: u64) -> Simulation {
         self.scenario(seed).run()
     }
 
     /// The calibration of an earlier session, where there is one.
-    #[must_use]
     pub fn initial(&self, scenario: &Scenario) -> Option<Calibration> {
         let (start, field_ut) = (scenario.device, scenario.earth_ut.norm());
         let known = || Calibration::new(start.soft_iron, start.hard_iron * field_ut, field_ut).ok();
@@ -94,7 +91,6 @@ impl Variant {
     }
 
     /// What the earlier launch kept, where there was one, and the time of this one, seconds since 1970.
-    #[must_use]
     pub fn kept(&self, scenario: &Scenario) -> Option<(KeptCalibration, i64)> {
         let Kept { off_ut, age_s } = self.kept?;
         let (strength_ut, dip_deg) = self.earth;
@@ -117,7 +113,6 @@ impl Variant {
     }
 
     /// Everything that makes the stream of a seed.
-    #[must_use]
     pub fn scenario(&self, seed: u64) -> Scenario {
         let seed = if matches!(self.device, DeviceKind::Carried(..)) { seed ^ hash(&self.name) } else { seed };
         let mut random = Random::new(seed, Purpose::Motion);
@@ -155,7 +150,6 @@ impl Variant {
     }
 
     /// The same with this noise of the magnetometer.
-    #[must_use]
     pub fn with_noise(mut self, noise: Option<Noise>) -> Self {
         self.sensors.magnetometer.noise = noise.unwrap_or(self.sensors.magnetometer.noise);
         self

@@ -58,9 +58,6 @@ enum Verb {
 
 impl Cli {
     /// Runs the verb.
-    ///
-    /// # Errors
-    /// [`LabError`] for the one line on standard error.
     pub fn run(self) -> Result<(), LabError> {
         match self.verb {
             Verb::Demo(verb) => verb.run(),

@@ -83,9 +83,6 @@ pub struct BoundResult {
 }
 
 /// Runs the experiment.
-///
-/// # Errors
-/// [`LabError::Experiment`] when no run of a cell gave an ellipsoid.
 pub fn run(options: &BoundOptions) -> Result<BoundResult, LabError> {
     let work: usize = options.samples.iter().sum::<usize>() * options.snr_db.len();
     let bar = progress::bar(work * options.runs, "fig. 2");
@@ -157,14 +154,12 @@ pub(crate) fn fit_options(residual: Residual) -> FitOptions {
 
 impl BoundResult {
     /// Smallest and largest ratio of the corrected residual.
-    #[must_use]
     pub fn corrected_range(&self) -> (f64, f64) {
         let all = self.rows.iter().flat_map(|row| row.corrected);
         all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
     }
 
     /// The table.
-    #[must_use]
     pub fn table(&self) -> Table {
         let mut table = Table::new(
             "Fig. 2: RMSE over Cramer-Rao bound (1 = as good as possible)",
@@ -202,9 +197,6 @@ impl BoundResult {
     }
 
     /// Fig. 2: a panel for every group, a line for every SNR and residual.
-    ///
-    /// # Errors
-    /// [`LabError::Plot`].
     pub fn add_to(&self, report: &mut Report) -> Result<(), LabError> {
         let colours = [Colour::Blue, Colour::Green, Colour::Purple];
         let mut snrs: Vec<f64> = self.rows.iter().map(|row| row.snr_db).collect();

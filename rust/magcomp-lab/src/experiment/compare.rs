@@ -169,9 +169,6 @@ fn prepare(variant: &Variant, seed: u64) -> (Simulation, Known) {
 }
 
 /// Runs a method over seeds; none where it cannot take part.
-///
-/// # Errors
-/// [`LabError::Config`].
 pub fn run_variant(
     variant: &Variant,
     seeds: std::ops::Range<u64>,
@@ -190,9 +187,6 @@ pub fn run_variant(
 }
 
 /// The value of its free number with which a method does best after the change, on seeds that are not judged.
-///
-/// # Errors
-/// [`LabError::Config`].
 pub fn tune(variant: &Variant, seed: u64, contestant: Contestant) -> Result<f64, LabError> {
     let grid = contestant.grid();
     let mut best = (f64::INFINITY, grid[0]);
@@ -221,7 +215,6 @@ fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
 
 impl MethodScore {
     /// Many runs in a line.
-    #[must_use]
     pub fn of(name: &str, tuned: Option<f64>, before: usize, runs: &[Run]) -> Self {
         let over = |range: std::ops::Range<usize>| rms(runs.iter().flat_map(|run| &run.errors_deg[range.clone()]));
         let end = runs.first().map_or(0, |run| run.errors_deg.len());

@@ -55,9 +55,6 @@ pub struct RecordingScore {
 }
 
 /// Runs methods on a recording, side by side row by row.
-///
-/// # Errors
-/// [`LabError::Config`], or as of [`Source::rows`].
 pub fn compare_recording(
     source: &mut Source,
     methods: &[Contestant],
@@ -68,9 +65,6 @@ pub fn compare_recording(
 }
 
 /// The same on rows of this extent.
-///
-/// # Errors
-/// [`LabError::Config`], or the first of the rows.
 pub fn compare_rows(
     extent: &Extent,
     rows: impl IntoIterator<Item = Result<Row, RecordingError>>,

@@ -51,7 +51,6 @@ impl Given {
 const SHOWN_DEG: f64 = 40.0;
 
 /// A line for each method, the best of a column marked; and their error over the bound.
-#[must_use]
 pub fn case_table(scenario: &str, runs: u32, methods: &[MethodScore], given: Given) -> Vec<Table> {
     if methods.is_empty() {
         return Vec::new();
@@ -121,7 +120,6 @@ fn tuned(value: f64) -> String {
 
 /// All scenarios in two tables, a line for each, a column for each method: over all samples after the change, and from 1000
 /// after it; and in which of them ours is not the best.
-#[must_use]
 pub fn overview<'a>(scenarios: impl Iterator<Item = (&'a str, &'a [MethodScore])> + Clone, given: Given) -> Vec<Table> {
     let scenarios = scenarios.filter(|(_, methods)| !methods.is_empty());
     if scenarios.clone().next().is_none() {
@@ -165,9 +163,6 @@ fn capital(text: &str) -> String {
 }
 
 /// A dot for each scenario or recording, a row for each method: `errors` are their names and errors, degrees.
-///
-/// # Errors
-/// [`LabError::Plot`].
 pub fn dots(errors: &[(&str, f64)], dot: &str, given: Given) -> Result<String, LabError> {
     let mut rows: Vec<DotRow> = Vec::new();
     for (name, error) in errors {
@@ -183,9 +178,6 @@ pub fn dots(errors: &[(&str, f64)], dot: &str, given: Given) -> Result<String, L
 }
 
 /// The picture and the tables of a scenario.
-///
-/// # Errors
-/// [`LabError::Plot`].
 pub fn add_case(
     report: &mut Report,
     scenario: &str,
@@ -216,9 +208,6 @@ pub fn add_case(
 }
 
 /// The picture of a recording.
-///
-/// # Errors
-/// [`LabError::Plot`].
 pub fn recording_figure(methods: &[RecordingScore], given: Given) -> Result<String, LabError> {
     let series = DRAWN.iter().filter_map(|(name, colour)| {
         let method = methods.iter().find(|m| m.name == *name)?;
@@ -235,7 +224,6 @@ pub fn recording_figure(methods: &[RecordingScore], given: Given) -> Result<Stri
 }
 
 /// A line for each method on a recording.
-#[must_use]
 pub fn recording_table(recording: &str, methods: &[RecordingScore], given: Given) -> Table {
     let columns = ["", "tuned", "answered %", "spread of |h| uT", "heading rms deg", "p95 deg"];
     let mut table = Table::new(&format!("{recording}, {}", given.what()), &columns);

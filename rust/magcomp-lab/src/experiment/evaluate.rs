@@ -30,7 +30,6 @@ pub struct EvaluateOptions {
 
 impl EvaluateOptions {
     /// These variants with the default config.
-    #[must_use]
     pub fn of(variants: Vec<Variant>, seeds: RangeInclusive<u64>) -> Self {
         let threads = crate::parallel::cores();
         Self { variants, seeds, method: Method::Auto, ignore: Ignore::default(), threads }
@@ -70,9 +69,6 @@ pub struct EvaluateResult {
 }
 
 /// Runs the variants.
-///
-/// # Errors
-/// [`LabError`] when a config is refused.
 pub fn run(options: &EvaluateOptions) -> Result<EvaluateResult, LabError> {
     let seeds = options.seeds.clone().count();
     let jobs = options.variants.iter().flat_map(|variant| options.seeds.clone().map(move |seed| (variant, seed)));

@@ -54,13 +54,11 @@ const NOTES: &str = "\
 
 impl EvaluateResult {
     /// A table for each group.
-    #[must_use]
     pub fn tables(&self) -> Vec<Table> {
         self.groups.iter().map(GroupResult::table).collect()
     }
 
     /// The same with what the columns mean below the last.
-    #[must_use]
     pub fn told(&self) -> Vec<Table> {
         let mut tables = self.tables();
         if let Some(last) = tables.last_mut() {
@@ -70,9 +68,6 @@ impl EvaluateResult {
     }
 
     /// Adds a picture and a table for each group to a report.
-    ///
-    /// # Errors
-    /// [`LabError::Plot`].
     pub fn add_to(&self, report: &mut Report) -> Result<(), LabError> {
         for (k, (group, table)) in self.groups.iter().zip(self.told()).enumerate() {
             let row = |variant: &VariantResult| {
@@ -100,7 +95,6 @@ impl EvaluateResult {
     }
 
     /// The whole page, docs/EVALUATION.md.
-    #[must_use]
     pub fn markdown(&self) -> String {
         let (first, last) = self.seeds;
         let tables: String = self.tables().iter().map(|table| format!("## {}\n", table.markdown())).collect();

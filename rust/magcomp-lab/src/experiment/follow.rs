@@ -27,7 +27,6 @@ pub struct FollowOptions {
 
 impl FollowOptions {
     /// The step that belongs to a motion; none where the aided method has nothing to show.
-    #[must_use]
     pub fn of(motion: Motion) -> Option<Self> {
         let change = match motion {
             Motion::Tumble => PhoneChange::Parameters,
@@ -84,9 +83,6 @@ pub struct FollowResult {
 }
 
 /// Runs the experiment.
-///
-/// # Errors
-/// [`LabError`] when a config is refused.
 pub fn run(options: &FollowOptions) -> Result<FollowResult, LabError> {
     let FollowOptions { variant, methods, runs, seed } = options;
     let bar = progress::bar(runs * methods.len(), "step");

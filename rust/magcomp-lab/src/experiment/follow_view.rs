@@ -9,7 +9,6 @@ use crate::table::{Table, number};
 
 impl FollowResult {
     /// A line for each answer, then one for each method.
-    #[must_use]
     pub fn tables(&self) -> Vec<Table> {
         vec![self.answer_table(), self.method_table()]
     }
@@ -63,9 +62,6 @@ impl FollowResult {
     }
 
     /// The tables, and the first method in the first run.
-    ///
-    /// # Errors
-    /// [`LabError::Plot`].
     pub fn add_to(&self, report: &mut Report, figure: &str) -> Result<(), LabError> {
         self.tables().iter().for_each(|table| report.table(table));
         match &self.first {

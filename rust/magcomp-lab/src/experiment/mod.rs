@@ -27,9 +27,6 @@ use magcomp_recordings::recording::Recording;
 use serde::Serialize;
 
 /// A variant's stream, and what a method makes of it.
-///
-/// # Errors
-/// [`LabError::Config`] when the config is refused.
 pub fn answers(
     variant: &Variant,
     seed: u64,
@@ -46,9 +43,6 @@ pub fn answers(
 }
 
 /// One run of a variant, judged.
-///
-/// # Errors
-/// As of [`answers`].
 pub fn judge(variant: &Variant, seed: u64, method: Method, ignore: Ignore) -> Result<Figures, LabError> {
     let (simulation, _, steps) = answers(variant, seed, method, ignore)?;
     Ok(Figures::of(&simulation, &steps))
@@ -67,7 +61,6 @@ pub struct Spread {
 
 impl Spread {
     /// Of one value a run.
-    #[must_use]
     pub fn of(values: &[f64]) -> Self {
         let count = values.len().max(1) as f64;
         let mean = values.iter().sum::<f64>() / count;
@@ -77,7 +70,6 @@ impl Spread {
     }
 
     /// `mean +- sd`.
-    #[must_use]
     pub fn text(&self, digits: usize) -> String {
         format!("{:.digits$} +- {:.digits$}", self.mean, self.sd)
     }

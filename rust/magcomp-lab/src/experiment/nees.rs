@@ -21,7 +21,6 @@ pub struct Nees {
 
 impl Nees {
     /// None without a calibration or a covariance.
-    #[must_use]
     pub fn of(compensator: &Compensator, truth: &Truth) -> Option<Self> {
         let (found, covariance) = (compensator.calibration()?, compensator.covariance()?);
         let known = compensator.config().field_strength_ut.is_some();

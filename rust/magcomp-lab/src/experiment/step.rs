@@ -124,9 +124,6 @@ pub struct StepResult {
 }
 
 /// Runs the experiment.
-///
-/// # Errors
-/// [`LabError`] when the constant-field compensation fails or a config is refused.
 pub fn run(options: &StepOptions) -> Result<StepResult, LabError> {
     let truth = options.truth.parameters(ParameterSet::Ref)?;
     let choices = options.normalisations.iter();

@@ -11,7 +11,6 @@ use crate::table::{Table, number};
 
 impl StepResult {
     /// One table for the parameters, one for the angles.
-    #[must_use]
     pub fn tables(&self) -> [Table; 2] {
         [self.parameter_table(), self.angle_table()]
     }
@@ -81,9 +80,6 @@ impl StepResult {
     }
 
     /// Figs. 4 and 5 of all runs, for the first normalisation.
-    ///
-    /// # Errors
-    /// [`LabError::Plot`].
     pub fn add_to(&self, report: &mut Report) -> Result<(), LabError> {
         let [parameters, angles] = self.tables();
         let first = self.normalisations.first();

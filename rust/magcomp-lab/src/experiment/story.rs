@@ -48,9 +48,6 @@ pub struct Story {
 
 impl Story {
     /// Of a recording.
-    ///
-    /// # Errors
-    /// [`LabError::Config`].
     pub fn of(recording: &Recording) -> Result<Self, LabError> {
         let contestants = TOLD.map(|(contestant, ..)| contestant);
         let scores = compare_rows(&recording.extent(), recording.rows.iter().cloned().map(Ok), &contestants, 0)?;
@@ -64,16 +61,12 @@ impl Story {
     }
 
     /// Rms heading errors up to one constant, degrees, of the methods that are drawn: raw, the paper's, magcomp's.
-    #[must_use]
     pub fn drawn_deg(&self) -> [f64; 3] {
         let mut drawn = self.methods.iter().filter(|told| told.colour.is_some()).map(Told::rms_deg);
         [(); 3].map(|()| drawn.next().unwrap_or(f64::NAN))
     }
 
     /// The heading error over time; a magnet sat there from when to when, s after the first row.
-    ///
-    /// # Errors
-    /// [`LabError::Plot`].
     pub fn picture(&self, magnet_s: &Range<f64>) -> Result<String, LabError> {
         let series = self.methods.iter().filter_map(|told| {
             let digits = usize::from(told.rms_deg() < 10.0);

@@ -75,7 +75,6 @@ pub enum Motion {
 impl Trajectory {
     /// Turns about one axis of the world, at 1 rad/s rms: the vertical or a random one. The axis wobbles: two slow swings across it,
     /// each of at most `wobble_deg`.
-    #[must_use]
     pub fn about_one_axis(duration_s: f64, vertical: bool, wobble_deg: f64, random: &mut Random) -> Self {
         let count = (duration_s / GRID_S).ceil() as usize + 1;
         let (start, other) = (random.attitude(), random.direction());
@@ -97,7 +96,6 @@ impl Trajectory {
 
 impl Motion {
     /// A trajectory of `duration_s`; `sample_period_s` is the magnetometer's, for [`Motion::Uniform`].
-    #[must_use]
     pub fn trajectory(self, duration_s: f64, sample_period_s: f64, random: &mut Random) -> Trajectory {
         let count = (duration_s / GRID_S).ceil() as usize + 1;
         match self {

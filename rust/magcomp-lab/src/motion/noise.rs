@@ -7,7 +7,6 @@ use std::f64::consts::{PI, TAU};
 const WAVES: usize = 40;
 
 /// From 0 to 1 while `share` does, with speed and acceleration zero at both ends; 0 before and 1 after.
-#[must_use]
 pub fn ease(share: f64) -> f64 {
     let u = share.clamp(0.0, 1.0);
     u * u * u * (10.0 - 15.0 * u + 6.0 * u * u)
@@ -24,13 +23,11 @@ pub struct Grid {
 
 impl Grid {
     /// Time of a point, s.
-    #[must_use]
     pub fn time_s(self, k: usize) -> f64 {
         k as f64 * self.step_s
     }
 
     /// One value a point.
-    #[must_use]
     pub fn each(self, value: impl FnMut(usize) -> f64) -> Vec<f64> {
         (0..self.count).map(value).collect()
     }

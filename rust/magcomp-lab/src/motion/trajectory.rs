@@ -23,7 +23,6 @@ pub struct Trajectory {
 
 impl Trajectory {
     /// Attitude (device to east-north-up) and body rate (rad/s, device frame) at a time, s; held beyond both ends.
-    #[must_use]
     pub fn at(&self, time_s: f64) -> (UnitQuaternion<f64>, Vector3<f64>) {
         let (k, share) = self.point(time_s);
         let rate = self.rates_rad_s[k];
@@ -31,7 +30,6 @@ impl Trajectory {
     }
 
     /// The body rate that a gyroscope reads, rad/s. For people: the mean over one step of the grid, since their grid is coarse.
-    #[must_use]
     pub fn rate_read(&self, time_s: f64) -> Vector3<f64> {
         if self.acceleration_m_s2.is_empty() {
             return self.at(time_s).1;
@@ -41,19 +39,16 @@ impl Trajectory {
     }
 
     /// Acceleration besides gravity, east-north-up, m/s^2.
-    #[must_use]
     pub fn acceleration(&self, time_s: f64) -> Vector3<f64> {
         self.between(&self.acceleration_m_s2, time_s, |from, to, share| from.lerp(&to, share))
     }
 
     /// Where the device is, east-north-up, m.
-    #[must_use]
     pub fn position(&self, time_s: f64) -> Vector3<f64> {
         self.between(&self.positions_m, time_s, |from, to, share| from.lerp(&to, share))
     }
 
     /// Yaw of the vehicle, rad; 0 without one.
-    #[must_use]
     pub fn vehicle_yaw(&self, time_s: f64) -> f64 {
         self.between(&self.vehicle_yaw, time_s, |from, to, share| from + (to - from) * share)
     }

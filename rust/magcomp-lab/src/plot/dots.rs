@@ -51,9 +51,6 @@ fn median(values: &[f64]) -> Option<f64> {
 
 impl Dots {
     /// Draws them.
-    ///
-    /// # Errors
-    /// [`LabError::Plot`] when nothing can be drawn.
     pub fn draw(&self) -> Result<String, LabError> {
         let mut svg = String::new();
         {

@@ -64,7 +64,6 @@ const MARGIN_RIGHT: u32 = 18;
 const Y_LABELS: u32 = 58;
 
 /// Where the x axis of panels below each other begins and ends, as shares of a picture of this width.
-#[must_use]
 pub fn x_axis(width: u32) -> (f64, f64) {
     let share = |pixels: u32| f64::from(pixels) / f64::from(width);
     (share(MARGIN + Y_LABELS), share(width - MARGIN_RIGHT))
@@ -78,9 +77,6 @@ const CHARACTER: f64 = 7.2;
 pub const FINE: usize = 3000;
 
 /// Draws panels row by row, `columns` of them in a row, each of `size` pixels.
-///
-/// # Errors
-/// [`LabError::Plot`] when nothing can be drawn.
 pub fn draw(panels: &[Panel], columns: usize, size: (u32, u32)) -> Result<String, LabError> {
     let rows = panels.len().div_ceil(columns).max(1);
     let whole = (size.0 * columns as u32, size.1 * rows as u32);

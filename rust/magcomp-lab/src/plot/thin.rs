@@ -19,7 +19,6 @@ pub struct Thin {
 
 impl Thin {
     /// For a line of so many points.
-    #[must_use]
     pub fn new(points: usize) -> Self {
         let stretch = (2 * points).div_ceil(MOST_POINTS).max(1);
         Self { stretch, count: 0, first_x: 0.0, lowest: None, highest: None, points: Vec::new() }
@@ -49,7 +48,6 @@ impl Thin {
     }
 
     /// A point of the present stretch, where there is one.
-    #[must_use]
     pub fn present(&self) -> Option<(f64, f64)> {
         self.lowest
     }
@@ -64,7 +62,6 @@ impl Thin {
     }
 
     /// The thinned line: at most 1400 points, if no more came than were announced.
-    #[must_use]
     pub fn points(mut self) -> Vec<(f64, f64)> {
         if self.count > 0 {
             self.end_stretch();

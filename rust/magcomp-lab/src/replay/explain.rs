@@ -46,17 +46,11 @@ impl ExplainOutput {
     }
 
     /// The next row, its reading and the inside of the compensator after it.
-    ///
-    /// # Errors
-    /// As of [`ExplainOutput::create`].
     pub fn add(&mut self, row: &Row, reading: &Reading, explanation: &Explanation) -> Result<(), LabError> {
         self.file.write(|out| line(out, row, reading, explanation))
     }
 
     /// Moves it into place.
-    ///
-    /// # Errors
-    /// As of [`ExplainOutput::create`].
     pub fn finish(self) -> Result<(), LabError> {
         self.file.finish()
     }

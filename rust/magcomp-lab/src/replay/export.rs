@@ -7,9 +7,6 @@ use serde_json::{Map, Value, json};
 use std::path::Path;
 
 /// Writes the calibration in force to `path`, as [`calibration_json`].
-///
-/// # Errors
-/// [`LabError::Experiment`] when there is no calibration; [`LabError::Write`].
 pub fn write_calibration(path: &Path, compensator: &Compensator, recording: &str, time_s: f64) -> Result<(), LabError> {
     let text = calibration_json(compensator, recording, time_s).ok_or_else(|| {
         LabError::Experiment(
@@ -22,7 +19,6 @@ pub fn write_calibration(path: &Path, compensator: &Compensator, recording: &str
 /// The calibration in force, none where there is none: an object with `soft_iron` (the nine elements of M), `hard_iron_ut` (b) and
 /// `field_strength_ut` as `Calibration` reads and writes them. Beside them stand `covariance` (nine rows in the order of
 /// `covariance_order`; null where it is not known), `format`, `time_s` and `recording`, which `Calibration` passes over.
-#[must_use]
 pub fn calibration_json(compensator: &Compensator, recording: &str, time_s: f64) -> Option<String> {
     let calibration = compensator.calibration()?;
     let parts = serde_json::to_value(calibration).expect("a calibration is JSON");

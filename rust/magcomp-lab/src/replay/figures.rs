@@ -117,7 +117,6 @@ impl ErrorLine {
 
 impl Figures {
     /// For a recording of this extent.
-    #[must_use]
     pub fn new(extent: &Extent) -> Self {
         let line = || Thin::new(extent.rows);
         let error = || ErrorLine { azimuths: Circle::default(), line: line() };
@@ -152,7 +151,6 @@ impl Figures {
     }
 
     /// The same with what a tester noted.
-    #[must_use]
     pub fn with(self, marks: &[Mark]) -> Self {
         Self { noted: marks.iter().map(|mark| (mark.at_s, mark.name.clone())).collect(), ..self }
     }
@@ -234,9 +232,6 @@ fn parameters(calibration: &Calibration) -> [f64; 9] {
 }
 
 /// Adds the picture of a replay in memory, as [`Figures`].
-///
-/// # Errors
-/// [`LabError::Plot`].
 pub fn figures(report: &mut Report, name: &str, recording: &Recording, steps: &[Step]) -> Result<(), LabError> {
     let mut figures = Figures::new(&recording.extent());
     recording.rows.iter().zip(steps).for_each(|(row, step)| figures.add(row, step, None));

@@ -18,9 +18,6 @@ const SIZE: (u32, u32) = (660, 170);
 
 impl Figures {
     /// Adds the pictures to a report; `recording` is the recording's name.
-    ///
-    /// # Errors
-    /// [`LabError::Plot`].
     pub fn finish(self, report: &mut Report, name: &str, recording: &str) -> Result<(), LabError> {
         let fine = self.extent.rows > FINE;
         let series = |name: &str, colour, points| Series { fine, ..Series::new(name, colour, points) };

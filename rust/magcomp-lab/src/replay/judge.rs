@@ -39,7 +39,6 @@ const FIELD_STEP_UT: f64 = 0.001;
 const DISTURBED: f64 = 0.15;
 
 /// The part of a recording of this length that counts when nothing else was asked for, s.
-#[must_use]
 pub fn usual_part(extent: &Extent) -> Range<f64> {
     WARM_UP_S.min(extent.duration_s() / 2.0)..f64::INFINITY
 }
@@ -80,7 +79,6 @@ pub struct Judge {
 impl Judge {
     /// Figures are formed from the rows that lie in `part`, s after the first row. The one azimuth that is taken out is that of
     /// the usual part, so that an error that lasts through a shorter part is one. `axis` is the one whose heading was published.
-    #[must_use]
     pub fn new(extent: &Extent, part: Range<f64>, axis: ReferenceAxis) -> Self {
         Self {
             from_s: usual_part(extent).start.min(part.start),
@@ -186,7 +184,6 @@ impl Judge {
     }
 
     /// The figures.
-    #[must_use]
     pub fn finish(self) -> Judgement {
         let rows = self.rows.max(1) as f64;
         let seconds = |time_ns: i64| (time_ns - self.extent.start_ns) as f64 / 1e9;
@@ -252,7 +249,6 @@ impl Judge {
 }
 
 /// Judges a replay in memory, as a [`Judge`].
-#[must_use]
 pub fn judge(recording: &Recording, steps: &[Step], part: Range<f64>, axis: ReferenceAxis) -> Judgement {
     let mut judge = Judge::new(&recording.extent(), part, axis);
     recording.rows.iter().zip(steps).for_each(|(row, step)| judge.add(row, step));

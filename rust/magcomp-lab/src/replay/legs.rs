@@ -38,9 +38,6 @@ pub struct LegJudgement {
 }
 
 /// Reads waypoints: CSV with the header t_s,x_m,y_m (s; m, x right and y up on the map), gzipped or not.
-///
-/// # Errors
-/// [`RecordingError::Form`] for a file of another form, [`RecordingError::Read`] when it cannot be read.
 pub fn read_waypoints(path: &Path) -> Result<Vec<Waypoint>, RecordingError> {
     read_table(path, "waypoints with the columns t_s,x_m,y_m")
 }
@@ -65,7 +62,6 @@ struct Leg {
 
 impl Legs {
     /// The legs between waypoints.
-    #[must_use]
     pub fn new(waypoints: &[Waypoint]) -> Self {
         let legs = waypoints.windows(2).filter_map(|leg| {
             let (dx, dy) = (leg[1].x_m - leg[0].x_m, leg[1].y_m - leg[0].y_m);
@@ -90,7 +86,6 @@ impl Legs {
     }
 
     /// The result; none with fewer than two legs on which there was a heading.
-    #[must_use]
     pub fn finish(&self) -> Option<LegJudgement> {
         let errors = |of: fn(&Leg) -> (f64, f64)| {
             let known = self.legs.iter().filter(|leg| leg.rows > 0);

@@ -15,7 +15,6 @@ const MOST_POINTS: usize = 1500;
 const ROOM: f64 = 1.08;
 
 /// A picture with one panel for each stretch of time, s after the first row, with its title; all in the plane of two axes of the device.
-#[must_use]
 pub fn offset_picture(
     recording: &Recording,
     steps: &[Step],

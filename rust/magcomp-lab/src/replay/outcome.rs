@@ -29,7 +29,6 @@ pub struct Gathering {
 
 impl Gathering {
     /// Before the first row; `part` and `axis` are those of [`Judge::new`].
-    #[must_use]
     pub fn new(extent: &Extent, part: Range<f64>, axis: ReferenceAxis, waypoints: &[Waypoint], is_drawn: bool) -> Self {
         let judge = Judge::new(extent, part, axis);
         let figures = is_drawn.then(|| Figures::new(extent));
@@ -38,7 +37,6 @@ impl Gathering {
     }
 
     /// The same with what a tester noted.
-    #[must_use]
     pub fn noted(self, marks: &[Mark], bearings: &[Bearing]) -> Self {
         let figures = self.figures.map(|figures| figures.with(marks));
         Self { marks: marks.to_vec(), bearings: self.bearings.with(bearings), figures, ..self }
@@ -55,7 +53,6 @@ impl Gathering {
 
     /// After the last row, under the recording's and the method's names. `known` is what was found when
     /// the recording was opened.
-    #[must_use]
     pub fn finish(self, recording: &str, method: &str, earth: Option<EarthField>, known: &Known) -> Outcome {
         let judged = self.judge.finish();
         let marks = self.marks.iter().map(|mark| mark.told(&judged.events)).collect();
@@ -98,9 +95,6 @@ pub struct Outcome {
 
 impl Outcome {
     /// As a page, with the pictures where they were drawn.
-    ///
-    /// # Errors
-    /// [`LabError::Plot`].
     pub fn report(self) -> Result<Report, LabError> {
         let rule =
             "Every sample went through the compensator in order; nothing later than a sample went into its answer.";

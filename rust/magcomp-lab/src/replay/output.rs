@@ -31,34 +31,22 @@ impl Output {
     }
 
     /// The next row and the compensator's step for it.
-    ///
-    /// # Errors
-    /// As of [`Output::create`].
     pub fn add(&mut self, row: &Row, step: &Step) -> Result<(), LabError> {
         self.file.write(|out| write_row(out, row, step, self.true_heading))
     }
 
     /// Moves it into place.
-    ///
-    /// # Errors
-    /// As of [`Output::create`].
     pub fn finish(self) -> Result<(), LabError> {
         self.file.finish()
     }
 }
 
 /// The names of the columns, as a line.
-///
-/// # Errors
-/// Those of `out`.
 pub fn write_header(out: &mut dyn Write, true_heading: bool) -> io::Result<()> {
     writeln!(out, "{COLUMNS}{}", if true_heading { ",true_heading_deg" } else { "" })
 }
 
 /// The line of a row and the compensator's step for it.
-///
-/// # Errors
-/// Those of `out`.
 pub fn write_row(out: &mut dyn Write, row: &Row, step: &Step, true_heading: bool) -> io::Result<()> {
     write!(out, "{}", row.time_s)?;
     line(out, step)?;

@@ -41,30 +41,22 @@ pub struct Player {
 
 impl Player {
     /// Before the first row.
-    ///
-    /// # Errors
-    /// [`LabError::Config`] when the config is refused.
     pub fn new(config: &Config, ignore: Ignore) -> Result<Self, LabError> {
         Ok(Self { compensator: Compensator::new(config.clone())?, ignore, course_of: None })
     }
 
     /// One whose choices are not the usual ones.
-    ///
-    /// # Errors
-    /// [`LabError::Config`] when the config is refused.
     pub fn tuned(config: Config, method: Method, ignore: Ignore, tunings: Tunings) -> Result<Self, LabError> {
         let compensator = Compensator::tuned(Config { method, ..config }, tunings)?;
         Ok(Self { compensator, ignore, course_of: None })
     }
 
     /// The same, with the recording's courses as headings of `axis` from outside.
-    #[must_use]
     pub fn aided_by_courses(self, axis: Option<HeadedAxis>) -> Self {
         Self { course_of: axis, ..self }
     }
 
     /// The same, with what an earlier launch kept in force; the time of this one in seconds since 1970.
-    #[must_use]
     pub fn adopting(mut self, kept: Option<(KeptCalibration, i64)>) -> Self {
         if let Some((kept, unix_time_s)) = kept {
             self.compensator.adopt(&kept, Some(unix_time_s));
@@ -97,24 +89,17 @@ impl Player {
     }
 
     /// The compensator as it is after the latest row.
-    #[must_use]
     pub fn compensator(&self) -> &Compensator {
         &self.compensator
     }
 }
 
 /// Plays a recording in memory, in order.
-///
-/// # Errors
-/// [`LabError::Config`] when the config is refused.
 pub fn replay(recording: &Recording, config: &Config, ignore: Ignore) -> Result<Vec<Step>, LabError> {
     replay_with(recording, config, ignore, |_, _| ())
 }
 
 /// As [`replay`], with a look at the compensator after every row.
-///
-/// # Errors
-/// [`LabError::Config`] when the config is refused.
 pub fn replay_with(
     recording: &Recording,
     config: &Config,

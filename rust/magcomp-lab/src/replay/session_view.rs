@@ -4,7 +4,6 @@ use crate::table::{Table, number};
 use magcomp_recordings::import::Summary;
 
 /// The content of a session as a table.
-#[must_use]
 pub fn session_table(summary: &Summary) -> Table {
     let mut table =
         Table::new(&format!("{} session", summary.logger), &["sensor", "events", "rate Hz", "longest pause s"]);

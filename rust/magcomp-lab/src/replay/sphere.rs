@@ -63,7 +63,6 @@ struct Course {
 
 impl Sphere {
     /// For a recording of this extent.
-    #[must_use]
     pub fn new(extent: &Extent) -> Self {
         Self {
             extent: *extent,

@@ -83,7 +83,6 @@ impl FromStr for Bearing {
 
 impl Mark {
     /// Beside the events of a replay.
-    #[must_use]
     pub fn told(&self, events: &[Declared]) -> MarkTold {
         let about = |event: &&Declared| {
             let since_s = event.since_s - self.at_s;
@@ -109,13 +108,11 @@ pub struct Bearings {
 
 impl Bearings {
     /// For a recording that starts then.
-    #[must_use]
     pub fn new(bearings: &[Bearing], start_s: f64) -> Self {
         Self { start_s, all: bearings.iter().map(|bearing| (*bearing, [0.0; 3])).collect() }
     }
 
     /// The same with these.
-    #[must_use]
     pub fn with(self, bearings: &[Bearing]) -> Self {
         Self::new(bearings, self.start_s)
     }
@@ -135,7 +132,6 @@ impl Bearings {
     }
 
     /// What they come to.
-    #[must_use]
     pub fn finish(&self) -> Vec<BearingTold> {
         let told = |(Bearing { at_s, bearing_deg }, [off_deg, sigma_deg, count]): &(Bearing, [f64; 3])| BearingTold {
             at_s: *at_s,

@@ -38,7 +38,6 @@ pub struct VectorsJudge {
 
 impl VectorsJudge {
     /// For a recording of this extent.
-    #[must_use]
     pub fn new(extent: &Extent) -> Self {
         let span_s = (extent.duration_s() / MOST_SPANS).max(SPAN_S);
         let spans = vec![None; (extent.duration_s() / span_s) as usize + 1];
@@ -65,7 +64,6 @@ impl VectorsJudge {
     }
 
     /// The figures; `north_deg`: how far magnetic north is east of the reference's, degrees.
-    #[must_use]
     pub fn vectors(&self, north_deg: f64) -> Vectors {
         Vectors {
             answered: self.answered as f64 / self.rows.max(1) as f64,
@@ -77,7 +75,6 @@ impl VectorsJudge {
     /// Heading error rms over every second, longer where there would be more than 2000 of them: (middle, s; degrees), where there
     /// are a reference and vectors. For a picture: azimuths of one second that lie on both sides of the centre's opposite are
     /// taken for neighbours.
-    #[must_use]
     pub fn heading_course(&self) -> Vec<(f64, f64)> {
         let centre_deg = self.every.centre_deg();
         let known = self.spans.iter().enumerate().filter_map(|(k, span)| Some((k, (*span)?)));

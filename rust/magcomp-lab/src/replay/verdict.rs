@@ -37,7 +37,6 @@ pub enum Grade {
 
 impl Grade {
     /// One word.
-    #[must_use]
     pub fn word(self) -> &'static str {
         match self {
             Self::Good => "good",
@@ -60,7 +59,6 @@ pub struct Verdict {
 
 impl Verdict {
     /// Of a replay, the recording's conventions, and the warnings about what was lost or left out.
-    #[must_use]
     pub fn of(judgement: &Judgement, conventions: &Conventions, warnings: &[String]) -> Self {
         let mut found = Found::default();
         let mut conventions = conventions.clone();
@@ -104,7 +102,6 @@ impl Verdict {
     }
 
     /// As the lines that a summary begins with.
-    #[must_use]
     pub fn lines(&self) -> Vec<String> {
         let why = if self.why.is_empty() { String::new() } else { format!(": {}", self.why.join("; ")) };
         let verdict = format!("Verdict: {}{why}.", self.grade.word());
@@ -113,7 +110,6 @@ impl Verdict {
     }
 
     /// As the first words of an error.
-    #[must_use]
     pub fn reason(&self) -> String {
         self.why.first().cloned().unwrap_or_default()
     }
@@ -189,7 +185,6 @@ impl Found {
 pub type Played = (String, Result<(Judgement, Verdict), String>);
 
 /// The recordings of one call, a line each.
-#[must_use]
 pub fn verdicts_table(title: &str, lines: &[Played]) -> Table {
     let columns = ["recording", "verdict", "s", "answered, %", "field, uT", "dip, deg", "why"];
     let mut table = Table::new(title, &columns);

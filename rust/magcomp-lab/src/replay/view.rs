@@ -7,7 +7,6 @@ use super::spread::MeanSpread;
 use crate::table::{Table, number};
 
 /// The summary of a replay: first what it comes to, in sentences; `recording` is its name.
-#[must_use]
 pub fn table(recording: &str, method: &str, judgement: &Judgement) -> Table {
     let is_system = judgement.total_field_ut.system.is_some();
     let columns: &[&str] =

@@ -80,7 +80,6 @@ impl Sample {
     }
 
     /// Size of the heading's error over its sigma.
-    #[must_use]
     pub fn sigmas(&self) -> Option<f64> {
         self.heading_deg.zip(self.sigma_deg).map(|(error, sigma)| error.abs() / sigma)
     }
@@ -98,7 +97,6 @@ impl Sample {
 }
 
 /// The errors of a run; `steps` are those of the simulation's samples.
-#[must_use]
 pub fn samples(simulation: &Simulation, steps: &[Step]) -> Vec<Sample> {
     let pairs = simulation.truth.iter().zip(steps);
     let has_up = !simulation.ups.is_empty();

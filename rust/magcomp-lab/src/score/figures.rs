@@ -88,7 +88,6 @@ pub struct Figures {
 
 impl Figures {
     /// Of a run; `steps` are those of the simulation's samples.
-    #[must_use]
     pub fn of(simulation: &Simulation, steps: &[Step]) -> Self {
         let samples = samples(simulation, steps);
         let end_s = samples.last().map_or(0.0, |sample| sample.time_s);

@@ -16,7 +16,6 @@ pub struct Runs {
 
 impl Runs {
     /// Of one value a run, the largest being the worst.
-    #[must_use]
     pub fn of(values: impl Iterator<Item = Option<f64>>) -> Self {
         let values: Vec<f64> = values.map(|value| value.unwrap_or(f64::INFINITY)).collect();
         let known = |value: Option<f64>| value.filter(|value| value.is_finite());
@@ -61,7 +60,6 @@ pub struct Line {
 
 impl Line {
     /// Of these runs.
-    #[must_use]
     pub fn of(runs: &[Figures]) -> Self {
         let mean = |values: Vec<f64>| (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64);
         let known = |of: fn(&Figures) -> Option<f64>| runs.iter().filter_map(of).collect::<Vec<f64>>();

@@ -68,9 +68,6 @@ impl Way {
     }
 
     /// Its variants, of these groups if there are any.
-    ///
-    /// # Errors
-    /// [`LabError::Usage`] where the catalogue has no variant of a name.
     pub fn variants(self, groups: &[Group]) -> Result<Vec<Variant>, LabError> {
         let names = match self {
             Self::WithGyroscope => WITH_GYROSCOPE,
@@ -108,9 +105,6 @@ pub(super) fn group_name(group: Group) -> String {
 }
 
 /// The stream of a variant and a seed with every setting, and the samples that were played.
-///
-/// # Errors
-/// [`LabError::Config`] when a config is refused.
 pub(super) fn stream(way: Way, variant: &Variant, seed: u64, settings: &[Tunings]) -> Result<(Unit, usize), LabError> {
     let scenario = variant.scenario(seed);
     let (simulation, initial) = (scenario.run(), variant.initial(&scenario));
@@ -139,9 +133,6 @@ pub(super) fn stream(way: Way, variant: &Variant, seed: u64, settings: &[Tunings
 }
 
 /// A recording with every setting of each way, and the samples that were played. A way in which it cannot be judged is left out.
-///
-/// # Errors
-/// Those of [`Folder::read`], and [`LabError::Config`] when a config is refused.
 pub(super) fn trial(
     folder: &Folder,
     path: &Path,

@@ -181,9 +181,6 @@ fn csv_of(folder: &Path, name: &str) -> Option<PathBuf> {
 
 /// Plays every recording of `folder` that has a reference through all methods, beside the answers of `entries`; `index` and `threads` as
 /// of [`super::judge_folder`].
-///
-/// # Errors
-/// As of [`super::judge_folder`].
 pub fn compare_folder(
     folder: &Path,
     index: Option<&Path>,

@@ -11,7 +11,6 @@ use magcomp::nalgebra::Vector3;
 
 impl Comparison {
     /// The medians, where there is more than one group; magnets that were put on sensors, where there are any; then a table a group.
-    #[must_use]
     pub fn tables(&self) -> Vec<Table> {
         let mut tables: Vec<Table> = self.medians().into_iter().chain(self.magnets()).collect();
         tables.extend(self.ours.iter().map(|ours| self.group(ours)));
@@ -29,9 +28,6 @@ impl Comparison {
     }
 
     /// Adds the pictures and the tables to a report.
-    ///
-    /// # Errors
-    /// [`LabError::Plot`].
     pub fn add_to(&self, report: &mut Report) -> Result<(), LabError> {
         for (k, ours) in self.ours.iter().enumerate() {
             let own: Vec<&Compared> = self.of_group(ours);

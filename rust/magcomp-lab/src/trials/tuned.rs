@@ -51,18 +51,12 @@ pub struct TrialScore {
 
 impl Folder {
     /// The recordings of `path`, with its own `INDEX.csv`; where it has none, `index` names groups and declinations.
-    ///
-    /// # Errors
-    /// As of [`super::judge_folder`].
     pub fn open(path: &Path, index: Option<&Path>) -> Result<Self, LabError> {
         let index = index.filter(|_| !path.join(INDEX).is_file());
         Ok(Self { paths: recordings(path)?, groups: Groups::of(path, index)? })
     }
 
     /// Reads one of them.
-    ///
-    /// # Errors
-    /// [`LabError::Recording`] names what is wrong with the file.
     pub fn read(&self, path: &Path) -> Result<Trial, LabError> {
         let name = name_of(path);
         let Told { group, declination_deg, magnet_s, .. } = self.groups.find(&name);
@@ -74,9 +68,6 @@ impl Folder {
 
 impl Trial {
     /// Plays what comes `begin_s` after the first row and later; none where nothing is left to judge.
-    ///
-    /// # Errors
-    /// [`LabError::Config`] when the config is refused.
     pub fn play(
         &self,
         begin_s: f64,

@@ -9,15 +9,11 @@ use crate::table::{Table, number};
 
 impl Trials {
     /// The table of the recordings, then that of the groups.
-    #[must_use]
     pub fn tables(&self) -> [Table; 2] {
         [recordings(&self.recordings), groups(&self.groups)]
     }
 
     /// Adds a picture and the tables to a report, the groups first.
-    ///
-    /// # Errors
-    /// [`LabError::Plot`].
     pub fn add_to(&self, report: &mut Report) -> Result<(), LabError> {
         let row = |group: &GroupScore| {
             let own = self.recordings.iter().filter(|score| score.group == group.group);

@@ -105,7 +105,6 @@ fn series(events: &[(i64, Vector3<f64>)], start_ns: i64) -> Series {
 }
 
 /// Checks a recording.
-#[must_use]
 pub fn check(streams: &Streams<'_>) -> Conventions {
     let start_ns = streams.field.first().map_or(0, |(time_ns, _)| *time_ns);
     let [field, up, rate] = [streams.field, streams.up, streams.rate].map(|events| series(events, start_ns));

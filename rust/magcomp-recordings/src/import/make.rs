@@ -45,9 +45,6 @@ pub(super) fn logger(documents: &[Document]) -> Option<App> {
 }
 
 /// Reads a session: its events, and what it had.
-///
-/// # Errors
-/// [`RecordingError::Form`] names file, line, column and what to do; [`RecordingError::Read`]; [`RecordingError::Usage`].
 pub fn import(inputs: &[PathBuf], options: &ImportOptions) -> Result<(Events, Summary), RecordingError> {
     import_found(&Input::all(inputs)?, options)
 }

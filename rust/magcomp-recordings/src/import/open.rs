@@ -51,26 +51,17 @@ pub struct Loaded {
 }
 
 /// Opens a recording, or makes a session into one.
-///
-/// # Errors
-/// Those of [`crate::import::import`] and of [`Source::of`].
 pub fn open(inputs: &[PathBuf], options: &ImportOptions) -> Result<Opened, RecordingError> {
     open_found(&Input::all(inputs)?, options)
 }
 
 /// As [`open`], of files that are in memory: name and content of each. Nothing is written anywhere.
-///
-/// # Errors
-/// Those of [`open`].
 pub fn open_bytes(files: Vec<(String, Vec<u8>)>, options: &ImportOptions) -> Result<Opened, RecordingError> {
     let found: Vec<Input> = files.into_iter().map(|(name, bytes)| Input::of_bytes(&name, bytes)).collect();
     open_found(&found, options)
 }
 
 /// Reads the events of a recording or of a session, all into memory.
-///
-/// # Errors
-/// Those of [`open`].
 pub fn load(inputs: &[PathBuf], options: &ImportOptions) -> Result<Loaded, RecordingError> {
     let session = |found: &[Input]| {
         let (events, Summary { warnings, conventions, .. }) = import_found(found, options)?;

@@ -133,9 +133,6 @@ impl Session {
 
     /// Sorts every sensor's events and turns them into the device's axes. Of several sessions in one file it keeps the one that `which`
     /// says, counted from 1. Loss is told, and refused where it is most of a sensor, unless it is wanted all the same.
-    ///
-    /// # Errors
-    /// [`RecordingError::Several`] and [`RecordingError::Usage`].
     pub fn order(&mut self, frames: &Frames, which: Option<usize>, force: bool) -> Result<(), RecordingError> {
         for stream in [&mut self.raw, &mut self.up, &mut self.rate, &mut self.system] {
             let cut = stream.cut.take();

@@ -27,9 +27,6 @@ impl AsRef<[u8]> for Bytes {
 
 impl Content {
     /// The same from its first byte on. Of a file, what was returned before must not be read any further.
-    ///
-    /// # Errors
-    /// When the file cannot be read.
     pub fn again(&self) -> io::Result<Self> {
         Ok(match self {
             Self::File(file) => {
@@ -42,9 +39,6 @@ impl Content {
     }
 
     /// How many bytes it has.
-    ///
-    /// # Errors
-    /// When the file's length is not known.
     pub fn bytes(&self) -> io::Result<u64> {
         match self {
             Self::File(file) => Ok(file.metadata()?.len()),
@@ -75,9 +69,6 @@ impl Read for Content {
 }
 
 /// The files of a folder, by name.
-///
-/// # Errors
-/// [`RecordingError::Read`].
 pub fn files_of(folder: &Path) -> Result<Vec<PathBuf>, RecordingError> {
     let entries = std::fs::read_dir(folder).and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect());
     let mut paths: Vec<PathBuf> = entries.map_err(RecordingError::read(folder))?;

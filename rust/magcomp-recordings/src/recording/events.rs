@@ -45,9 +45,6 @@ impl Events {
     }
 
     /// Writes them as a recording: a line for each time, in which other sensors' cells are empty.
-    ///
-    /// # Errors
-    /// Those of `out`.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         write!(out, "t_s,mx,my,mz,ax,ay,az,gx,gy,gz")?;
         write!(out, "{}", if self.system.is_empty() { "" } else { ",sys_mx,sys_my,sys_mz" })?;

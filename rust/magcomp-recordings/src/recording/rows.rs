@@ -59,7 +59,6 @@ impl Row {
     }
 
     /// The accelerometer's latest value since the sample before, m/s^2, Android's sign.
-    #[must_use]
     pub fn latest_up(&self) -> Option<Vector3<f64>> {
         self.up_m_s2.or_else(|| self.before.iter().rev().find_map(|event| event.up_m_s2))
     }
@@ -97,7 +96,6 @@ impl Extent {
     }
 
     /// First to last row, s.
-    #[must_use]
     pub fn duration_s(&self) -> f64 {
         self.end_s - self.start_s
     }
@@ -114,7 +112,6 @@ pub struct Recording {
 
 impl Recording {
     /// How many rows it has, and over what time.
-    #[must_use]
     pub fn extent(&self) -> Extent {
         let mut extent = Extent::default();
         self.rows.iter().for_each(|row| extent.add(row));
@@ -122,14 +119,12 @@ impl Recording {
     }
 
     /// File name, for tables.
-    #[must_use]
     pub fn name(&self) -> String {
         name_of(&self.path)
     }
 }
 
 /// A file's name without its folder, for tables.
-#[must_use]
 pub fn name_of(path: &Path) -> String {
     path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
 }

@@ -32,18 +32,11 @@ enum Kind {
 
 impl Source {
     /// The recording in `content`, under the name it came from. Every row is checked.
-    ///
-    /// # Errors
-    /// [`RecordingError::Form`] for a file of another form, [`RecordingError::Empty`] for one without rows, [`RecordingError::Read`] when
-    /// it cannot be read.
     pub fn of(path: &Path, content: Content) -> Result<Self, RecordingError> {
         Self::checked(path, Kind::Text(content))
     }
 
     /// A session's events as a recording, under the name it came from.
-    ///
-    /// # Errors
-    /// [`RecordingError::Empty`] without an event of the magnetometer.
     pub fn of_events(path: &Path, events: Events) -> Result<Self, RecordingError> {
         Self::checked(path, Kind::Events(Arc::new(events)))
     }
@@ -60,21 +53,16 @@ impl Source {
     }
 
     /// Where it came from.
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
     /// How many rows it has, and over what time.
-    #[must_use]
     pub fn extent(&self) -> &Extent {
         &self.extent
     }
 
     /// Its rows from the first on. The rows of an earlier call must not be read any further.
-    ///
-    /// # Errors
-    /// As of [`Source::of`].
     pub fn rows(&mut self) -> Result<Rows, RecordingError> {
         Ok(Rows(match &self.kind {
             Kind::Text(content) => Origin::Text(Box::new(text(&self.path, content)?)),
@@ -90,9 +78,6 @@ pub(crate) fn text(path: &Path, content: &Content) -> Result<Text, RecordingErro
 }
 
 /// Reads a whole recording into memory; `path` is its name in messages.
-///
-/// # Errors
-/// As of [`Source::of`].
 pub fn read_from(path: &Path, source: impl Read + 'static) -> Result<Recording, RecordingError> {
     let text = Text::new(path, unzipped(source).map_err(RecordingError::read(path))?)?;
     let rows = Rows(Origin::Text(Box::new(text)));
@@ -100,17 +85,11 @@ pub fn read_from(path: &Path, source: impl Read + 'static) -> Result<Recording, 
 }
 
 /// Opens `path` and reads a whole recording into memory.
-///
-/// # Errors
-/// As of [`Source::of`].
 pub fn read(path: &Path) -> Result<Recording, RecordingError> {
     read_from(path, File::open(path).map_err(RecordingError::read(path))?)
 }
 
 /// The content of `source`, gzipped or not.
-///
-/// # Errors
-/// When it cannot be read.
 pub fn unzipped(source: impl Read + 'static) -> io::Result<Box<dyn Read>> {
     let mut source = BufReader::new(source);
     let zipped = source.fill_buf()?.starts_with(&GZIP);

@@ -6,9 +6,6 @@ use std::io::{self, Write};
 
 /// Writes a recording, one line for every magnetometer sample. Columns of a sensor that no row has are left out; events of the other
 /// sensors between two samples are not written.
-///
-/// # Errors
-/// Those of `out`.
 pub fn write_recording(out: &mut dyn Write, recording: &Recording) -> io::Result<()> {
     let any = |has: fn(&Row) -> bool| recording.rows.iter().any(has);
     let groups: [(bool, &str); 4] = [

@@ -33,7 +33,6 @@ pub struct Shake {
 
 impl Shake {
     /// A trajectory of `duration_s`.
-    #[must_use]
     pub fn trajectory(&self, duration_s: f64, random: &mut Random) -> Trajectory {
         Mover::new(duration_s, random).shaken(self)
     }
