@@ -8,32 +8,33 @@
 
 pub mod atomic;
 pub mod baseline;
-pub mod beside;
+mod beside;
 pub mod catalogue;
 #[cfg(not(target_family = "wasm"))]
 pub mod command;
 pub mod course;
-pub mod crb;
+mod crb;
 pub mod error;
 #[cfg(not(target_family = "wasm"))]
 pub mod experiment;
 pub mod inertial;
-pub mod magnetometer;
+mod magnetometer;
 pub mod motion;
 pub mod parallel;
 pub mod parameters;
-pub mod plot;
+mod plot;
 #[cfg(not(target_family = "wasm"))]
-pub mod progress;
+mod progress;
 pub mod random;
 pub mod replay;
 pub mod report;
 #[cfg(not(target_family = "wasm"))]
 pub mod score;
 #[cfg(not(target_family = "wasm"))]
-pub mod sensitivity;
+mod sensitivity;
 pub mod simulate;
-pub mod surroundings;
-pub mod table;
+mod statistics;
+mod surroundings;
+mod table;
 #[cfg(not(target_family = "wasm"))]
 pub mod trials;

@@ -55,6 +55,11 @@ impl Parameters {
     }
 }
 
+/// A choice as it is typed on the command line.
+pub fn as_typed(choice: &impl ValueEnum) -> String {
+    choice.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+}
+
 /// The sets of parameters the experiments start from; the paper does not print its own.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum ParameterSet {
@@ -114,8 +119,7 @@ impl TrueParameters {
 
     /// Their name, for titles.
     pub fn name(&self, usual: ParameterSet) -> String {
-        let set = self.set.unwrap_or(usual).to_possible_value();
-        let set = set.map_or_else(String::new, |value| value.get_name().to_uppercase());
+        let set = as_typed(&self.set.unwrap_or(usual)).to_uppercase();
         if self.are_own() { "own parameters".to_owned() } else { format!("set {set}") }
     }
 

@@ -101,6 +101,12 @@ impl Report {
         Self { title: title.to_owned(), lead: lead.to_owned(), body: Vec::new(), sections: Vec::new(), tables: 0 }
     }
 
+    /// The same with what `add` adds.
+    pub fn with(mut self, add: impl FnOnce(&mut Self) -> Result<(), LabError>) -> Result<Self, LabError> {
+        add(&mut self)?;
+        Ok(self)
+    }
+
     /// Begins a section.
     pub fn section(&mut self, heading: &str, text: &str) {
         self.sections.push(heading.to_owned());

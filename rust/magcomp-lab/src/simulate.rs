@@ -264,10 +264,9 @@ impl Simulation {
                 before: events,
                 up_m_s2: now.and_then(|event| event.up_m_s2),
                 rate_rad_s: now.and_then(|event| event.rate_rad_s),
-                system_ut: None,
                 attitude: Some(truth.attitude),
                 hard_iron_ut: Some(truth.hard_iron_ut),
-                course: None,
+                ..Row::default()
             }
         });
         Recording { path: PathBuf::from(name), rows: rows.collect() }

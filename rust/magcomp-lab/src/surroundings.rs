@@ -29,7 +29,6 @@ pub enum Surrounding {
     Uneven {
         /// Waves: wave vector, 1/m, phase, size.
         waves: Vec<(Vector3<f64>, f64, f64)>,
-        /// s.
         from_s: f64,
     },
     /// It swings while the device goes on as before: an alternating current nearby.
@@ -61,7 +60,6 @@ pub enum Surrounding {
     },
     /// The body of a vehicle around the device: a field that turns with it, less a part of the Earth's that it keeps out.
     Vehicle {
-        /// s.
         at_s: f64,
         /// In the vehicle's frame, uT.
         field_ut: Vector3<f64>,

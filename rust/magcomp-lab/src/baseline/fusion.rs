@@ -17,7 +17,7 @@ const TURN_RAD: f64 = 20.0 * std::f64::consts::PI / 180.0;
 const PAUSE_S: f64 = 0.5;
 
 /// The fusion's state.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Fusion {
     rate: f64,
     up: Option<Vector3<f64>>,
@@ -33,15 +33,7 @@ pub struct Fusion {
 impl Fusion {
     /// With mu, 0 to 1.
     pub fn new(rate: f64) -> Self {
-        Self {
-            rate,
-            up: None,
-            field_ut: None,
-            hard_iron_ut: Vector3::zeros(),
-            before: None,
-            latest_ns: [None; 3],
-            stepped: false,
-        }
+        Self { rate, ..Self::default() }
     }
 
     /// Seconds since the event of this sensor before.

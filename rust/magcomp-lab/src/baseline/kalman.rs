@@ -30,7 +30,7 @@ const GATE: f64 = 5.0;
 const RESTART: f64 = 0.4;
 
 /// A filter.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Kalman {
     unscented: bool,
     walk: f64,
@@ -48,19 +48,7 @@ pub struct Kalman {
 impl Kalman {
     /// With a random walk of variance `walk` a sample, negative for one that never restarts, and the true noise of the samples, uT.
     pub fn new(unscented: bool, walk: f64, noise_ut: f64) -> Self {
-        Self {
-            unscented,
-            walk: walk.abs(),
-            restarts: walk > 0.0,
-            noise_ut,
-            first: Vec::new(),
-            started: false,
-            unit_ut: 0.0,
-            centre_ut: Vector3::zeros(),
-            x: Vector9::zeros(),
-            p: Matrix9::zeros(),
-            share: 0.0,
-        }
+        Self { unscented, walk: walk.abs(), restarts: walk > 0.0, noise_ut, ..Self::default() }
     }
 
     fn widen(&mut self, by: (f64, f64)) {

@@ -7,7 +7,6 @@ mod helmholtz;
 mod kalman;
 mod method;
 mod network;
-mod none;
 mod ours;
 mod turns;
 mod vqf;
@@ -17,16 +16,15 @@ mod xio;
 pub use fusion::Fusion;
 pub use helmholtz::Helmholtz;
 pub use kalman::Kalman;
-pub use method::Baseline;
+pub use method::{Baseline, Nothing};
 pub use network::Network;
-pub use none::Nothing;
 pub use ours::Ours;
 pub use turns::Turns;
 pub use vqf::Vqf;
 pub use window::{Surface, Windowed};
 pub use xio::Xio;
 
-use crate::parameters::Parameters;
+use crate::parameters::{Parameters, as_typed};
 use clap::ValueEnum;
 use magcomp::{Calibration, Config, ConfigError, Method, Normalisation, Residual, WindowedConfig};
 
@@ -97,7 +95,7 @@ pub struct Known {
 impl Contestant {
     /// Its name on the command line.
     pub fn name(self) -> String {
-        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+        as_typed(&self)
     }
 
     /// The values of its one free number that are tried on other seeds; the first where there is nothing to tune.
@@ -128,39 +126,38 @@ impl Contestant {
     /// A fresh one; None where it cannot take part.
     pub fn make(self, value: f64, known: &Known) -> Result<Option<Box<dyn Baseline>>, ConfigError> {
         let length = value as usize;
-        let ours = |config: Config| Ours::new(config).map(|ours| Some(Box::new(ours) as Box<dyn Baseline>));
+        let ours = |config: Config| Ours::new(config).map(|ours| Box::new(ours) as Box<dyn Baseline>);
         let method = |method| Config { method, initial: known.initial, ..Config::default() };
         let windowed = |normalisation, residual| {
             let windowed = WindowedConfig { sigma_th: value, normalisation, residual, ..WindowedConfig::default() };
             Config { windowed, ..method(Method::Windowed) }
         };
-        Ok(match self {
-            Self::Adaptive => return ours(method(Method::Adaptive)),
-            Self::Aided => {
-                return Ours::attitude(method(Method::Aided)).map(|ours| Some(Box::new(ours) as Box<dyn Baseline>));
-            }
-            Self::AidedSample => return ours(method(Method::Aided)),
-            Self::VqfRaw => Some(Box::new(Vqf::new(value, None))),
-            Self::VqfCorrected => Some(Box::new(Vqf::new(value, ours(method(Method::Aided))?))),
-            Self::VqfTurns => Some(Box::new(Vqf::new(value, Some(Box::new(Turns::default()))))),
-            Self::XioRaw => Some(Box::new(Xio::default())),
-            Self::Fusion => Some(Box::new(Fusion::new(value))),
-            Self::Constant => return ours(method(Method::Constant)),
-            Self::PaperHalfRange => return ours(windowed(Normalisation::HalfRange, Residual::Algebraic)),
-            Self::PaperEvenSphere => return ours(windowed(Normalisation::EvenSphere, Residual::Algebraic)),
-            Self::WindowedHalfRange => return ours(windowed(Normalisation::HalfRange, Residual::Corrected)),
-            Self::WindowedEvenSphere => return ours(windowed(Normalisation::EvenSphere, Residual::Corrected)),
-            Self::None => Some(Box::new(Nothing)),
-            Self::Linear => Some(Box::new(Windowed::new(Surface::Linear, length))),
-            Self::Enclosing => Some(Box::new(Windowed::new(Surface::Enclosing, length))),
-            Self::Sphere => Some(Box::new(Windowed::new(Surface::Sphere, length))),
-            Self::Extended => Some(Box::new(Kalman::new(false, value, known.noise_ut))),
-            Self::Unscented => Some(Box::new(Kalman::new(true, value, known.noise_ut))),
-            Self::Network => known.reference.then(|| Box::new(Network::new(value, known.seed)) as Box<dyn Baseline>),
+        Ok(Some(match self {
+            Self::Adaptive => ours(method(Method::Adaptive))?,
+            Self::Aided => Box::new(Ours::attitude(method(Method::Aided))?),
+            Self::AidedSample => ours(method(Method::Aided))?,
+            Self::VqfRaw => Box::new(Vqf::new(value, None)),
+            Self::VqfCorrected => Box::new(Vqf::new(value, Some(ours(method(Method::Aided))?))),
+            Self::VqfTurns => Box::new(Vqf::new(value, Some(Box::new(Turns::default())))),
+            Self::XioRaw => Box::new(Xio::default()),
+            Self::Fusion => Box::new(Fusion::new(value)),
+            Self::Constant => ours(method(Method::Constant))?,
+            Self::PaperHalfRange => ours(windowed(Normalisation::HalfRange, Residual::Algebraic))?,
+            Self::PaperEvenSphere => ours(windowed(Normalisation::EvenSphere, Residual::Algebraic))?,
+            Self::WindowedHalfRange => ours(windowed(Normalisation::HalfRange, Residual::Corrected))?,
+            Self::WindowedEvenSphere => ours(windowed(Normalisation::EvenSphere, Residual::Corrected))?,
+            Self::None => Box::new(Nothing),
+            Self::Linear => Box::new(Windowed::new(Surface::Linear, length)),
+            Self::Enclosing => Box::new(Windowed::new(Surface::Enclosing, length)),
+            Self::Sphere => Box::new(Windowed::new(Surface::Sphere, length)),
+            Self::Extended => Box::new(Kalman::new(false, value, known.noise_ut)),
+            Self::Unscented => Box::new(Kalman::new(true, value, known.noise_ut)),
+            Self::Network if known.reference => Box::new(Network::new(value, known.seed)),
+            Self::Network => return Ok(None),
             Self::Helmholtz => {
-                let coil = |parameters| Helmholtz::new(parameters, known.field_ut, known.noise_ut, known.seed);
-                known.parameters.as_ref().map(|parameters| Box::new(coil(parameters)) as Box<dyn Baseline>)
+                let Some(parameters) = &known.parameters else { return Ok(None) };
+                Box::new(Helmholtz::new(parameters, known.field_ut, known.noise_ut, known.seed))
             }
-        })
+        }))
     }
 }

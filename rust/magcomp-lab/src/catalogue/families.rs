@@ -3,6 +3,7 @@
 
 use super::group::Group;
 use super::happening::{By, Happening, When};
+use super::phones::{PhoneChange, phone};
 use super::sensors::Sensors;
 use super::variant::{DeviceKind, Variant};
 use crate::motion::Motion::{self, Call, Drive, DriveHand, Game, Look, Mixed, Pocket, Table, Text};
@@ -30,22 +31,15 @@ pub(super) fn carried(
     happens: Vec<Happening>,
 ) -> Variant {
     Variant {
-        name: name.to_owned(),
         about: about.to_owned(),
         group,
         duration_s,
-        motion,
-        one_axis: None,
-        shaken: None,
         earth: (48.0, 63.0),
         device: DeviceKind::Carried(10.0, 250.0),
         change_s: CHANGE_S,
         happens,
-        pause_s: None,
         sensors: Sensors::carried(),
-        is_known: false,
-        kept: None,
-        rail_ut: None,
+        ..phone(name, motion, PhoneChange::Nothing)
     }
 }
 

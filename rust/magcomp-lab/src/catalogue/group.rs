@@ -1,5 +1,6 @@
 //! The tables.
 
+use crate::parameters::as_typed;
 use clap::ValueEnum;
 
 /// Variants that are shown in one table.
@@ -54,7 +55,7 @@ pub enum Group {
 impl Group {
     /// Its name on the command line, with which the names of its newer variants begin.
     pub fn name(self) -> String {
-        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+        as_typed(&self)
     }
 
     /// The table's title.

@@ -2,6 +2,7 @@
 
 use super::group::Group;
 use super::happening::{By, Happening, When};
+use super::phones::{PhoneChange, phone};
 use super::sensors::Sensors;
 use super::variant::{DeviceKind, Variant};
 use crate::motion::Motion;
@@ -49,21 +50,14 @@ fn paper(name: &str, about: &str, motion: Motion, happens: Vec<Happening>) -> Va
     sensors.has_accelerometer = false;
     sensors.magnetometer.noise = Noise::SnrDb(30.0);
     Variant {
-        name: name.to_owned(),
         about: about.to_owned(),
         group: Group::Paper,
         duration_s: 65.0,
-        motion,
-        one_axis: None,
-        shaken: None,
         earth: (FIELD_UT, 60.0),
         device: DeviceKind::Set(ParameterSet::Mid),
         change_s: CHANGE_S,
         happens,
-        pause_s: None,
         sensors,
-        is_known: false,
-        kept: None,
-        rail_ut: None,
+        ..phone(name, motion, PhoneChange::Nothing)
     }
 }

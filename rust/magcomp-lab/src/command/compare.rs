@@ -1,16 +1,17 @@
 //! `magcomp compare`.
 
 use super::common::{Common, finite, input, refuse_outputs, warn};
-use super::compare_folder::CompareFolder;
 use crate::baseline::Contestant;
 use crate::catalogue::{COMPARED, Variant, find};
 use crate::error::LabError;
 use crate::experiment::compare::{MethodScore, run_variant, tune};
-use crate::experiment::compare_recording::{RecordingScore, compare_recording};
+use crate::experiment::compare_recording::{RecordingScore, compare_rows};
 use crate::experiment::compare_view::{Given, add_case, case_table, dots, overview, recording_figure, recording_table};
+use crate::parallel::cores;
 use crate::progress;
 use crate::report::Report;
 use crate::simulate::Noise;
+use crate::trials::{Entry, compare_folder};
 use clap::{Args, ValueEnum, value_parser};
 use magcomp_recordings::import::{ImportOptions, open};
 use magcomp_recordings::recording::name_of;
@@ -43,8 +44,20 @@ pub(super) struct Compare {
     /// Scenarios: print the overview alone, as markdown; a folder: print its tables as markdown
     #[arg(long, conflicts_with_all = ["recordings", "json"])]
     markdown: bool,
-    #[command(flatten)]
-    folder: CompareFolder,
+    /// Instead of scenarios: the recordings of a folder that have a reference orientation, beside VQF, the system's own field and others
+    ///
+    /// The recordings are those that `evaluate --recordings` takes; NAME_oscal beside NAME_uncal gives the operating system's field.
+    #[arg(long = "recordings", value_name = "DIR", conflicts_with_all = ["recordings", "scenario", "method", "snr"])]
+    folder: Option<PathBuf>,
+    /// Groups of the recordings, as of `evaluate --index`
+    ///
+    /// Two more columns may be there. magnet_s: from when to when a magnet sat on the sensor, as 45.1-99.8. calibration: the name of a
+    /// recording of the same device and day in a constant field, of which a calibration is made beforehand for the methods that need one.
+    #[arg(long, value_name = "CSV", requires = "folder")]
+    index: Option<PathBuf>,
+    /// A program of your own beside the methods: a folder with its answers to each recording (benchmarks/README.md)
+    #[arg(long, value_name = "NAME=DIR", requires = "folder")]
+    entry: Vec<Entry>,
     #[command(flatten)]
     common: Common,
 }
@@ -86,10 +99,27 @@ fn add_dots(report: &mut Report, errors: &[(&str, f64)], dot: &str, given: Given
 
 impl Compare {
     pub fn run(self) -> Result<(), LabError> {
-        if let Some(folder) = self.folder.folder() {
-            return self.folder.run(folder, self.markdown, &self.common);
+        if let Some(folder) = &self.folder {
+            return self.beside(folder);
         }
         if self.recordings.is_empty() { self.scenarios() } else { self.recorded() }
+    }
+
+    fn beside(&self, folder: &Path) -> Result<(), LabError> {
+        let inputs: Vec<&Path> =
+            std::iter::once(folder).chain(self.entry.iter().map(|it| it.folder.as_path())).collect();
+        refuse_outputs(&inputs, &[], self.common.report.as_deref())?;
+        let comparison = compare_folder(folder, self.index.as_deref(), &self.entry, cores())?;
+        warn(&comparison.warnings);
+        let tables = comparison.tables();
+        if self.markdown {
+            tables.iter().try_for_each(|table| writeln!(std::io::stdout(), "{}", table.markdown()))?;
+            return Ok(());
+        }
+        self.common.finish(&tables, &comparison, || {
+            Report::new("Methods side by side on recordings", "Each on the same samples, causal.")
+                .with(|report| comparison.add_to(report))
+        })
     }
 
     fn methods(&self) -> Vec<Contestant> {
@@ -157,7 +187,8 @@ impl Compare {
         for path in &self.recordings {
             let mut opened = open(std::slice::from_ref(path), &ImportOptions::default())?;
             warn(&opened.warnings);
-            let scores = compare_recording(&mut opened.source, &methods, self.common.seed)?;
+            let extent = *opened.source.extent();
+            let scores = compare_rows(&extent, opened.source.rows()?, &methods, self.common.seed)?;
             let (aided, methods): (Vec<_>, Vec<_>) = scores.into_iter().partition(|score| score.aided);
             all.push(Recorded { recording: name_of(path), methods, aided });
         }

@@ -41,13 +41,11 @@ impl Crb {
         };
         let result = run(&options)?;
         self.common.finish(&[result.table()], &result, || {
-            let mut report = Report::new(
+            Report::new(
                 "How close the ellipsoid fit comes to the bound",
                 "The paper's fig. 2: root mean square error of the fit over the Cramer-Rao bound, computed from the Fisher \
                  information of h_m = M h + b with the orientations unknown.",
-            );
-            result.add_to(&mut report)?;
-            Ok(report)
+            ).with(|report| result.add_to(report))
         })
     }
 }

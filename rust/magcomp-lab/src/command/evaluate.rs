@@ -1,7 +1,6 @@
 //! `magcomp evaluate`.
 
-use super::common::{Common, MethodChoice, Seeds};
-use super::evaluate_recordings::EvaluateRecordings;
+use super::common::{Common, MethodChoice, Seeds, refuse_outputs, warn};
 use crate::catalogue::{self, Group, Variant};
 use crate::error::LabError;
 use crate::experiment::evaluate::{EvaluateOptions, run};
@@ -9,10 +8,11 @@ use crate::parallel::cores;
 use crate::replay::Ignore;
 use crate::report::Report;
 use crate::table::Table;
+use crate::trials::judge_folder;
 use clap::Args;
 use std::io::Write;
 use std::num::NonZero;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Seeds that judge: development and tests use those below 100.
 const JUDGED: Seeds = Seeds(12_001, 12_010);
@@ -47,8 +47,18 @@ pub(super) struct Evaluate {
     /// Print the page docs/EVALUATION.md: the meaning of the columns, the tables, a list of the bad lines
     #[arg(long, conflicts_with = "json")]
     markdown: bool,
-    #[command(flatten)]
-    recordings: EvaluateRecordings,
+    /// Instead of simulated phones: judge the recordings of a folder that have a reference orientation
+    ///
+    /// Each .csv or .csv.gz with the columns of `magcomp replay`, qw,qx,qy,qz among them, goes through the default config. Other files are
+    /// passed over, and so is NAME_oscal beside NAME_uncal. Rows: a recording, then a group.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["group", "variant", "seeds", "method", "without_gyroscope", "threads", "list", "markdown"])]
+    recordings: Option<PathBuf>,
+    /// Groups of the recordings: CSV with the columns recording,group[,declination_deg]; DIR/INDEX.csv when not given
+    ///
+    /// `recording` is the name of a file without .csv or .csv.gz, or a pattern with * and ?. The first line that fits a recording counts.
+    /// declination_deg: how far magnetic north is east of the reference's; 0 when empty. Without an index all are one group.
+    #[arg(long, value_name = "CSV", requires = "recordings")]
+    index: Option<PathBuf>,
     /// Print the numbers, each run's too, as JSON instead of a table
     #[arg(long)]
     json: bool,
@@ -60,8 +70,8 @@ pub(super) struct Evaluate {
 impl Evaluate {
     pub fn run(self) -> Result<(), LabError> {
         let common = Common { seed: self.seeds.0, json: self.json, report: self.report.clone() };
-        if let Some(folder) = self.recordings.folder() {
-            return self.recordings.run(folder, &common);
+        if let Some(folder) = &self.recordings {
+            return self.recorded(folder, &common);
         }
         let variants = self.variants()?;
         if self.list {
@@ -82,12 +92,23 @@ impl Evaluate {
             return Ok(());
         }
         common.finish(&result.told(), &result, || {
-            let mut report = Report::new(
+            Report::new(
                 "Evaluation",
                 "Published headings of simulated phones with the default config, against the truth.",
-            );
-            result.add_to(&mut report)?;
-            Ok(report)
+            )
+            .with(|report| result.add_to(report))
+        })
+    }
+
+    fn recorded(&self, folder: &Path, common: &Common) -> Result<(), LabError> {
+        refuse_outputs(&[folder], &[], common.report.as_deref())?;
+        let trials = judge_folder(folder, self.index.as_deref(), cores())?;
+        warn(&trials.warnings);
+        let tables = trials.tables();
+        common.finish(&tables, &trials, || {
+            let rule =
+                "Each recording went through the default config in order, and was judged by its reference orientation.";
+            Report::new("Recordings judged", rule).with(|report| trials.add_to(report))
         })
     }
 

@@ -3,11 +3,9 @@
 mod check;
 mod common;
 mod compare;
-mod compare_folder;
 mod crb;
 mod demo;
 mod evaluate;
-mod evaluate_recordings;
 mod import;
 mod import_options;
 mod replay;

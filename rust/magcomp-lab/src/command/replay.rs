@@ -2,12 +2,15 @@
 
 use super::common::{Common, MethodChoice, between, input, output, refuse_outputs, warn, warn_of};
 use super::import_options::ImportArguments;
+use crate::atomic::AtomicFile;
 use crate::error::LabError;
 use crate::experiment::step::{NormalisationChoice, ResidualChoice};
+use crate::parameters::as_typed;
 use crate::progress;
 use crate::replay::{
-    Bearing, ExplainOutput, Gathering, Grade, Ignore, Judgement, Known, Mark, Outcome, Output, Played, Player, Verdict,
-    read_waypoints, session_table, usual_part, verdicts_table, write_calibration,
+    Bearing, Gathering, Grade, Ignore, Judgement, Known, Mark, Outcome, Played, Player, Verdict, read_waypoints,
+    session_table, usual_part, verdicts_table, write_calibration, write_explain_header, write_explanation,
+    write_header, write_row,
 };
 use crate::report::Report;
 use clap::{Args, ValueEnum};
@@ -297,9 +300,11 @@ impl Replay {
             return Err(LabError::Usage(format!("--from {}{to} {why}", part.start)));
         }
 
-        let mut output =
-            self.output.as_deref().map(|path| Output::create(path, declination_deg.is_some())).transpose()?;
-        let mut explained = self.explain.as_deref().map(ExplainOutput::create).transpose()?;
+        let is_true = declination_deg.is_some();
+        let mut output = self.output.as_deref().map(AtomicFile::create).transpose()?;
+        output.iter_mut().try_for_each(|output| output.write(|out| write_header(out, is_true)))?;
+        let mut explained = self.explain.as_deref().map(AtomicFile::create).transpose()?;
+        explained.iter_mut().try_for_each(|explained| explained.write(write_explain_header))?;
         // where they are written or drawn
         let is_explained = explained.is_some() || self.common.report.is_some();
         let mut explanations = Vec::new();
@@ -324,27 +329,25 @@ impl Replay {
                 }
             }
             for (k, (row, step)) in chunk.iter().zip(&steps).enumerate() {
-                output.iter_mut().try_for_each(|output| output.add(row, step))?;
+                output.iter_mut().try_for_each(|output| output.write(|out| write_row(out, row, step, is_true)))?;
                 gathering.add(row, step, explanations.get(k));
             }
             if let Some(explained) = &mut explained {
                 for ((row, step), explanation) in chunk.iter().zip(&steps).zip(&explanations) {
-                    explained.add(row, &step.reading, explanation)?;
+                    explained.write(|out| write_explanation(out, row, &step.reading, explanation))?;
                 }
             }
             explanations.clear();
             bar.inc(chunk.len() as u64);
         }
         bar.finish_and_clear();
-        output.map_or(Ok(()), Output::finish)?;
-        explained.map_or(Ok(()), ExplainOutput::finish)?;
+        output.into_iter().chain(explained).try_for_each(AtomicFile::finish)?;
         if let Some(path) = &self.calibration {
             write_calibration(path, players[0].compensator(), &name_of(source.path()), extent.end_s)?;
         }
 
-        let name = self.method.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
         let known = Known { session: session.as_ref().map(session_table), conventions, warnings };
-        Ok(gathering.finish(&name_of(source.path()), &name, earth, &known))
+        Ok(gathering.finish(&name_of(source.path()), &as_typed(&self.method), earth, &known))
     }
 }
 

@@ -199,17 +199,12 @@ impl Simulate {
 
 fn panels(stream: &Simulation) -> [Panel; 2] {
     let axes = [("x", Colour::Blue), ("y", Colour::Orange), ("z", Colour::Green)];
-    let panel = |title: &str, value: &dyn Fn(usize) -> Vector3<f64>| Panel {
-        title: title.to_owned(),
-        x_label: "time, s".to_owned(),
-        y_label: "uT".to_owned(),
-        series: (axes.iter().enumerate())
-            .map(|(i, (name, colour))| {
-                let time_s = |k: usize| stream.magnetic[k].time_ns as f64 / 1e9;
-                Series::new(name, *colour, (0..stream.magnetic.len()).map(|k| (time_s(k), value(k)[i])))
-            })
-            .collect(),
-        ..Panel::default()
+    let panel = |title: &str, value: &dyn Fn(usize) -> Vector3<f64>| {
+        let line = |(i, (name, colour)): (usize, &(&str, Colour))| {
+            let time_s = |k: usize| stream.magnetic[k].time_ns as f64 / 1e9;
+            Series::new(name, *colour, (0..stream.magnetic.len()).map(|k| (time_s(k), value(k)[i])))
+        };
+        Panel::new(title, "time, s", "uT", axes.iter().enumerate().map(line))
     };
     [panel("raw field", &|k| stream.magnetic[k].field_ut), panel("true hard iron", &|k| stream.truth[k].hard_iron_ut)]
 }

@@ -174,9 +174,7 @@ impl Step {
         let result = follow::run(&options)?;
         common.finish(&result.tables(), &result, || {
             let lead = "Something changes for a simulated phone. Below the tables: the first method in the first run.";
-            let mut report = Report::new("Following a change", lead);
-            result.add_to(&mut report, "step_first_run")?;
-            Ok(report)
+            Report::new("Following a change", lead).with(|report| result.add_to(report, "step_first_run"))
         })
     }
 
@@ -202,9 +200,7 @@ impl Step {
                  re-estimates them from the latest samples.",
                 result.factor
             );
-            let mut report = Report::new("Following a step of all nine parameters", &lead);
-            result.add_to(&mut report)?;
-            Ok(report)
+            Report::new("Following a step of all nine parameters", &lead).with(|report| result.add_to(report))
         })
     }
 }

@@ -161,25 +161,10 @@ impl BoundResult {
 
     /// The table.
     pub fn table(&self) -> Table {
-        let mut table = Table::new(
-            "Fig. 2: RMSE over Cramer-Rao bound (1 = as good as possible)",
-            &[
-                "SNR dB",
-                "N",
-                "runs",
-                "(10): diag",
-                "off",
-                "b",
-                "all nine",
-                "corrected: diag",
-                "off",
-                "b",
-                "all nine",
-                "bound: diag",
-                "off",
-                "b",
-            ],
-        );
+        let each = ["off", "b", "all nine"];
+        let columns = [&["SNR dB", "N", "runs", "(10): diag"][..], &each, &["corrected: diag"], &each];
+        let columns = [&columns.concat()[..], &["bound: diag", "off", "b"]].concat();
+        let mut table = Table::new("Fig. 2: RMSE over Cramer-Rao bound (1 = as good as possible)", &columns);
         for row in &self.rows {
             let mut cells = vec![format!("{}", row.snr_db), row.samples.to_string(), row.runs.to_string()];
             let [written, corrected] = &row.together;
@@ -198,40 +183,22 @@ impl BoundResult {
 
     /// Fig. 2: a panel for every group, a line for every SNR and residual.
     pub fn add_to(&self, report: &mut Report) -> Result<(), LabError> {
-        let colours = [Colour::Blue, Colour::Green, Colour::Purple];
-        let mut snrs: Vec<f64> = self.rows.iter().map(|row| row.snr_db).collect();
-        snrs.dedup();
         let all = self.rows.iter().flat_map(|row| row.algebraic.into_iter().chain(row.corrected));
         let top = all.fold(1.2, f64::max) * 1.05;
-        let panel = |k: usize| {
-            let line = |snr: f64, colour: Colour, value: fn(&BoundRow) -> &[f64; 3]| {
-                let rows = self.rows.iter().filter(move |row| row.snr_db == snr);
-                Series::new("", colour, rows.map(move |row| (row.samples as f64, value(row)[k])))
-            };
-            let pairs = snrs.iter().zip(colours.iter().cycle()).flat_map(|(snr, colour)| {
-                let written = Series { dashed: true, ..line(*snr, *colour, |row| &row.algebraic) };
-                let name = if k == 0 { format!("{snr} dB") } else { String::new() };
-                [written, Series { name, ..line(*snr, *colour, |row| &row.corrected) }]
-            });
-            Panel {
-                title: GROUPS[k].0.to_owned(),
-                x_label: "samples N".to_owned(),
-                y_label: if k == 0 { "RMSE / bound".to_owned() } else { String::new() },
-                y_range: Some((0.5, top)),
-                series: pairs.collect(),
-                ..Panel::default()
-            }
-        };
-        let panels: Vec<Panel> = (0..GROUPS.len()).map(panel).collect();
+        let ratios = self.panels("samples N", "RMSE / bound", false, |row, _, ratio| (row.samples as f64, ratio));
+        let ratios: Vec<Panel> = ratios.into_iter().map(|it| Panel { y_range: Some((0.5, top)), ..it }).collect();
+        let errors = self.panels("log10 of the samples N", "log10 of the error", true, |row, k, ratio| {
+            ((row.samples as f64).log10(), (ratio * row.bound[k]).log10())
+        });
         report.figure(
             "fig2_bound",
-            draw(&panels, 3, (420, 340))?,
+            draw(&ratios, 3, (420, 340))?,
             "Fig. 2: error of the fit over the Cramer-Rao bound against the number of samples. Dashed: the paper's residual \
              (10) as written, biased in the diagonal of M. Solid: the residual divided by its own gradient, on the bound.",
         );
         report.figure(
             "fig2_error",
-            draw(&self.error_panels(&snrs), 3, (420, 340))?,
+            draw(&errors, 3, (420, 340))?,
             "Fig. 2 as the paper draws it: bound (grey) and error over the number of samples, both as powers of ten, |h| = 1. \
              Dashed: the paper's residual (10) as written. Solid: divided by its own gradient.",
         );
@@ -239,35 +206,31 @@ impl BoundResult {
         Ok(())
     }
 
-    /// Errors and bounds themselves, a panel for every group.
-    fn error_panels(&self, snrs: &[f64]) -> Vec<Panel> {
+    /// A panel for every group, in it a line for every SNR and residual, and where that is asked for for the bound: `point` makes one
+    /// of a row and a group's ratio to the bound.
+    fn panels(
+        &self,
+        x_label: &str,
+        y_label: &str,
+        has_bound: bool,
+        point: fn(&BoundRow, usize, f64) -> (f64, f64),
+    ) -> Vec<Panel> {
+        let mut snrs: Vec<f64> = self.rows.iter().map(|row| row.snr_db).collect();
+        snrs.dedup();
         let panel = |k: usize| {
-            let line = |snr: f64, colour: Colour, value: &dyn Fn(&BoundRow) -> f64| {
-                let rows = self.rows.iter().filter(|row| row.snr_db == snr);
-                Series::new(
-                    "",
-                    colour,
-                    rows.map(|row| ((row.samples as f64).log10(), value(row).log10())).collect::<Vec<_>>(),
-                )
+            let line = |snr: f64, colour: Colour, ratio: fn(&BoundRow, usize) -> f64| {
+                let rows = self.rows.iter().filter(move |row| row.snr_db == snr);
+                Series::new("", colour, rows.map(move |row| point(row, k, ratio(row, k))))
             };
             let colours = [Colour::Blue, Colour::Green, Colour::Purple];
             let lines = snrs.iter().zip(colours.into_iter().cycle()).flat_map(|(snr, colour)| {
-                let written = line(*snr, colour, &|row| row.algebraic[k] * row.bound[k]);
-                let corrected = line(*snr, colour, &|row| row.corrected[k] * row.bound[k]);
+                let bound = has_bound.then(|| line(*snr, Colour::Grey, |_, _| 1.0));
+                let written = Series { dashed: true, ..line(*snr, colour, |row, k| row.algebraic[k]) };
                 let name = if k == 0 { format!("{snr} dB") } else { String::new() };
-                [
-                    line(*snr, Colour::Grey, &|row| row.bound[k]),
-                    Series { dashed: true, ..written },
-                    Series { name, ..corrected },
-                ]
+                let corrected = Series { name, ..line(*snr, colour, |row, k| row.corrected[k]) };
+                bound.into_iter().chain([written, corrected])
             });
-            Panel {
-                title: GROUPS[k].0.to_owned(),
-                x_label: "log10 of the samples N".to_owned(),
-                y_label: if k == 0 { "log10 of the error".to_owned() } else { String::new() },
-                series: lines.collect(),
-                ..Panel::default()
-            }
+            Panel::new(GROUPS[k].0, x_label, if k == 0 { y_label } else { "" }, lines)
         };
         (0..GROUPS.len()).map(panel).collect()
     }

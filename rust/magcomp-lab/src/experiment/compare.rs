@@ -12,8 +12,9 @@ use crate::catalogue::Variant;
 use crate::crb::FisherInformation;
 use crate::error::LabError;
 use crate::parameters::{GROUPS, Parameters};
-use crate::score::{Runs, rms as root_mean_square, settled};
+use crate::score::{Runs, settled};
 use crate::simulate::Simulation;
+use crate::statistics::{self, percentile};
 use magcomp::Calibration;
 use magcomp::nalgebra::{UnitQuaternion, Vector3};
 use serde::Serialize;
@@ -202,15 +203,7 @@ pub fn tune(variant: &Variant, seed: u64, contestant: Contestant) -> Result<f64,
 }
 
 fn rms<'a>(errors: impl Iterator<Item = &'a f32>) -> f64 {
-    root_mean_square(errors.map(|error| f64::from(*error))).unwrap_or(0.0)
-}
-
-fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values
-        .get(((values.len() as f64 * share) as usize).min(values.len().saturating_sub(1)))
-        .copied()
-        .unwrap_or(f64::NAN)
+    statistics::rms(errors.map(|error| f64::from(*error))).unwrap_or(0.0)
 }
 
 impl MethodScore {

@@ -7,7 +7,7 @@ use crate::replay::{Vectors, VectorsJudge};
 use magcomp::nalgebra::Vector3;
 use magcomp::{MagneticSample, RotationRateSample, UpSample};
 use magcomp_recordings::error::RecordingError;
-use magcomp_recordings::recording::{Extent, Row, Source};
+use magcomp_recordings::recording::{Extent, Row};
 use serde::Serialize;
 
 /// Share of a recording with a reference to learn from.
@@ -41,30 +41,18 @@ pub fn push_inertial(method: &mut dyn Baseline, row: &Row) {
 /// A method on a recording.
 #[derive(Clone, Debug, Serialize)]
 pub struct RecordingScore {
-    /// Its name.
     pub name: String,
     /// Value of its free number; none without one.
     pub value: Option<f64>,
     /// Whether it had gyroscope and accelerometer too.
     pub aided: bool,
-    /// What it came to.
     pub vectors: Vectors,
     /// Heading error rms over a second, degrees, over time, s: for the picture. Empty without a reference.
     #[serde(skip)]
     pub course_deg: Vec<(f64, f64)>,
 }
 
-/// Runs methods on a recording, side by side row by row.
-pub fn compare_recording(
-    source: &mut Source,
-    methods: &[Contestant],
-    seed: u64,
-) -> Result<Vec<RecordingScore>, LabError> {
-    let extent = *source.extent();
-    compare_rows(&extent, source.rows()?, methods, seed)
-}
-
-/// The same on rows of this extent.
+/// Runs methods on a recording of this extent, side by side row by row.
 pub fn compare_rows(
     extent: &Extent,
     rows: impl IntoIterator<Item = Result<Row, RecordingError>>,

@@ -174,7 +174,7 @@ pub fn dots(errors: &[(&str, f64)], dot: &str, given: Given) -> Result<String, L
         }
     }
     let x_label = format!("{}, rms, deg", given.error());
-    Dots { title: given.what().to_owned(), dot: dot.to_owned(), x_label, rows, marks_best: true }.draw()
+    Dots::new(given.what(), dot, &x_label, rows, true).draw()
 }
 
 /// The picture and the tables of a scenario.
@@ -188,39 +188,31 @@ pub fn add_case(
     if methods.is_empty() {
         return Ok(());
     }
-    let series = DRAWN.iter().filter_map(|(name, colour)| {
-        let method = methods.iter().find(|m| m.name == *name)?;
-        Some(Series::new(name, *colour, method.course_deg.iter().map(|(k, error)| (*k, error.min(SHOWN_DEG)))))
-    });
-    let panel = Panel {
-        title: given.error().to_owned(),
-        x_label: "samples after the change".to_owned(),
-        y_label: format!("deg (at most {SHOWN_DEG:.0} are shown)"),
-        series: series.collect(),
-        ..Panel::default()
-    };
+    let courses = methods.iter().map(|m| (m.name.as_str(), m.course_deg.as_slice()));
+    let figure = courses_figure(given.error(), "samples after the change", &courses.collect::<Vec<_>>())?;
     let suffix = if given == Given::Inertial { "_inertial" } else { "" };
     let name = format!("compare_{}{suffix}", scenario.replace('-', "_"));
     let caption = format!("{scenario}: {}, rms over the runs; the change is at 0.", given.error());
-    report.figure(&name, draw(&[panel], 1, (1100, 300))?, &caption);
+    report.figure(&name, figure, &caption);
     case_table(scenario, runs, methods, given).iter().for_each(|table| report.table(table));
     Ok(())
 }
 
 /// The picture of a recording.
 pub fn recording_figure(methods: &[RecordingScore], given: Given) -> Result<String, LabError> {
+    let courses = methods.iter().map(|m| (m.name.as_str(), m.course_deg.as_slice()));
+    let title = format!("heading error against the reference, {}", given.what());
+    courses_figure(&title, "s", &courses.collect::<Vec<_>>())
+}
+
+/// Errors of those methods that are drawn, each with its name.
+fn courses_figure(title: &str, x_label: &str, courses: &[(&str, &[(f64, f64)])]) -> Result<String, LabError> {
     let series = DRAWN.iter().filter_map(|(name, colour)| {
-        let method = methods.iter().find(|m| m.name == *name)?;
-        Some(Series::new(name, *colour, method.course_deg.iter().map(|(t, error)| (*t, error.min(SHOWN_DEG)))))
+        let (_, course_deg) = courses.iter().find(|(own, _)| own == name)?;
+        Some(Series::new(name, *colour, course_deg.iter().map(|(x, error)| (*x, error.min(SHOWN_DEG)))))
     });
-    let panel = Panel {
-        title: format!("heading error against the reference, {}", given.what()),
-        x_label: "s".to_owned(),
-        y_label: format!("deg (at most {SHOWN_DEG:.0} are shown)"),
-        series: series.collect(),
-        ..Panel::default()
-    };
-    draw(&[panel], 1, (1100, 300))
+    let y_label = format!("deg (at most {SHOWN_DEG:.0} are shown)");
+    draw(&[Panel::new(title, x_label, &y_label, series)], 1, (1100, 300))
 }
 
 /// A line for each method on a recording.

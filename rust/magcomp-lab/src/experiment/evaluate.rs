@@ -3,7 +3,6 @@
 use super::judge;
 use crate::catalogue::{Group, Variant};
 use crate::error::LabError;
-use crate::parallel::map;
 use crate::progress;
 use crate::replay::Ignore;
 use crate::score::{Figures, Line};
@@ -73,13 +72,9 @@ pub fn run(options: &EvaluateOptions) -> Result<EvaluateResult, LabError> {
     let seeds = options.seeds.clone().count();
     let jobs = options.variants.iter().flat_map(|variant| options.seeds.clone().map(move |seed| (variant, seed)));
     let jobs: Vec<(&Variant, u64)> = jobs.collect();
-    let bar = progress::bar(jobs.len(), "evaluate");
-    let runs = map(&jobs, options.threads, |(variant, seed)| {
-        let figures = judge(variant, *seed, options.method, options.ignore);
-        bar.inc(1);
-        figures
+    let runs = progress::map("evaluate", &jobs, options.threads, |(variant, seed)| {
+        judge(variant, *seed, options.method, options.ignore)
     });
-    bar.finish_and_clear();
     let mut runs = runs.into_iter();
     let mut results = Vec::new();
     for variant in &options.variants {

@@ -76,13 +76,8 @@ impl EvaluateResult {
             };
             let rows: Vec<DotRow> = group.variants.iter().map(row).filter(|row| !row.values.is_empty()).collect();
             if !rows.is_empty() {
-                let dots = Dots {
-                    title: group.title.to_owned(),
-                    dot: "a run".to_owned(),
-                    x_label: "error of the published heading, rms, deg".to_owned(),
-                    rows,
-                    marks_best: false,
-                };
+                let x_label = "error of the published heading, rms, deg";
+                let dots = Dots::new(group.title, "a run", x_label, rows, false);
                 report.figure(
                     &format!("group{}", k + 1),
                     dots.draw()?,
@@ -141,25 +136,10 @@ impl EvaluateResult {
 
 impl GroupResult {
     fn table(&self) -> Table {
-        let columns = [
-            "",
-            "answered %",
-            "< 5 deg after s",
-            "worst",
-            "error deg",
-            "worst",
-            "1 sigma %",
-            "2 sigma %",
-            "z2",
-            "sigma deg",
-            "f deg",
-            "calibration deg",
-            "lie s",
-            "missed",
-            "false /h",
-            "lost",
-        ];
-        let mut table = Table::new(self.title, &columns);
+        let heading =
+            ["", "answered %", "< 5 deg after s", "worst", "error deg", "worst", "1 sigma %", "2 sigma %", "z2"];
+        let others = ["sigma deg", "f deg", "calibration deg", "lie s", "missed", "false /h", "lost"];
+        let mut table = Table::new(self.title, &[&heading[..], &others].concat());
         for VariantResult { about, line, .. } in &self.variants {
             let within = |k: usize| number(line.within.map(|within| 100.0 * within[k]), 0);
             let seconds = |value: Option<f64>| value.map_or_else(|| "never".to_owned(), |value| format!("{value:.1}"));

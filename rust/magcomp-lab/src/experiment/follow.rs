@@ -4,10 +4,10 @@ use super::answers;
 use crate::catalogue::{PhoneChange, Variant, phone};
 use crate::error::LabError;
 use crate::motion::Motion;
-use crate::parallel::{cores, map};
+use crate::parallel::cores;
 use crate::progress;
 use crate::replay::{Ignore, Step};
-use crate::score::{Begin, Figures, Line, Runs, Stretch};
+use crate::score::{Begin, Errors, Figures, Line, Runs, Settled, Stretch};
 use magcomp::Method;
 use magcomp_recordings::recording::Recording;
 use serde::Serialize;
@@ -15,7 +15,6 @@ use serde::Serialize;
 /// Options of the experiment.
 #[derive(Clone, Debug)]
 pub struct FollowOptions {
-    /// The scenario.
     pub variant: Variant,
     /// Aided and windowed beside each other, or the magnetometer alone.
     pub methods: Vec<Method>,
@@ -56,7 +55,6 @@ pub struct AnswerResult {
 /// One method.
 #[derive(Clone, Debug, Serialize)]
 pub struct FollowMethod {
-    /// The method.
     pub method: Method,
     /// Published headings, events, losses.
     pub line: Line,
@@ -69,41 +67,34 @@ pub struct FollowMethod {
 /// The experiment as numbers.
 #[derive(Clone, Debug, Serialize)]
 pub struct FollowResult {
-    /// What was run.
     pub scenario: String,
-    /// Runs.
     pub runs: usize,
-    /// Their answers.
     pub answers: Vec<AnswerResult>,
-    /// The methods.
     pub methods: Vec<FollowMethod>,
     /// The first method in the first run, for the picture.
     #[serde(skip)]
     pub first: Option<(Recording, Vec<Step>)>,
 }
 
-/// Runs the experiment.
 pub fn run(options: &FollowOptions) -> Result<FollowResult, LabError> {
     let FollowOptions { variant, methods, runs, seed } = options;
-    let bar = progress::bar(runs * methods.len(), "step");
     let jobs: Vec<usize> = (0..runs * methods.len()).collect();
-    let done = map(&jobs, cores(), |k| {
+    let done = progress::map("step", &jobs, cores(), |k| {
         let (simulation, recording, steps) =
             answers(variant, seed.wrapping_add((k % runs) as u64), methods[k / runs], Ignore::default())?;
-        bar.inc(1);
         let figures = Figures::of(&simulation, &steps);
         Ok::<_, LabError>((figures, (*k == 0).then_some((recording, steps))))
     });
-    bar.finish_and_clear();
     let mut done: Vec<_> = done.into_iter().collect::<Result<_, _>>()?;
     let first = done.first_mut().and_then(|(_, picture)| picture.take());
     let figures: Vec<Figures> = done.into_iter().map(|(figures, _)| figures).collect();
     let (mut answers, mut results) = (Vec::new(), Vec::new());
     for (method, own) in methods.iter().zip(figures.chunks(*runs)) {
+        let name = name(*method);
         if *method == Method::Aided || *method == Method::Auto {
-            answers.push(AnswerResult::carried(*method, own));
+            answers.push(AnswerResult::of(format!("{name}, f"), own, |it| it.carried_deg, |it| it.main_s));
         }
-        answers.push(AnswerResult::corrected(*method, own));
+        answers.push(AnswerResult::of(format!("{name}, c"), own, |it| it.calibration_deg, |it| it.calibration_s));
         let changes = || changed(own);
         results.push(FollowMethod {
             method: *method,
@@ -123,22 +114,16 @@ fn changed(runs: &[Figures]) -> impl Iterator<Item = &Stretch> {
 }
 
 impl AnswerResult {
-    fn carried(method: Method, runs: &[Figures]) -> Self {
-        let settled = |limit: usize| changed(runs).map(move |one| one.settled?.main_s[limit]);
+    fn of(
+        name: String,
+        runs: &[Figures],
+        before: fn(&Errors) -> Option<f64>,
+        settled: fn(&Settled) -> [Option<f64>; 2],
+    ) -> Self {
+        let settled = |limit: usize| changed(runs).map(move |one| settled(&one.settled?)[limit]);
         Self {
-            name: format!("{}, f", name(method)),
-            before_deg: Runs::of(runs.iter().map(|run| run.before.carried_deg)),
-            below_5_deg: Runs::of(settled(0)),
-            below_2_deg: Runs::of(settled(1)),
-            hard_iron_ut: Runs::of(changed(runs).map(|one| one.hard_iron_ut)),
-        }
-    }
-
-    fn corrected(method: Method, runs: &[Figures]) -> Self {
-        let settled = |limit: usize| changed(runs).map(move |one| one.settled?.calibration_s[limit]);
-        Self {
-            name: format!("{}, c", name(method)),
-            before_deg: Runs::of(runs.iter().map(|run| run.before.calibration_deg)),
+            name,
+            before_deg: Runs::of(runs.iter().map(|run| before(&run.before))),
             below_5_deg: Runs::of(settled(0)),
             below_2_deg: Runs::of(settled(1)),
             hard_iron_ut: Runs::of(changed(runs).map(|one| one.hard_iron_ut)),

@@ -3,11 +3,11 @@
 
 pub mod bound;
 pub mod compare;
-pub mod compare_recording;
-pub mod compare_view;
+pub(crate) mod compare_recording;
+pub(crate) mod compare_view;
 pub mod evaluate;
 mod evaluate_view;
-pub mod follow;
+pub(crate) mod follow;
 mod follow_view;
 pub mod nees;
 pub mod step;
@@ -15,7 +15,7 @@ mod step_course;
 mod step_score;
 mod step_trace;
 mod step_view;
-pub mod story;
+pub(crate) mod story;
 
 use crate::catalogue::Variant;
 use crate::error::LabError;

@@ -9,7 +9,7 @@ use super::step_trace::{BEFORE, FIELD_UT, Trace};
 use crate::course::{Course, DevicePart};
 use crate::error::LabError;
 use crate::motion::Motion;
-use crate::parameters::{ParameterSet, Parameters, TrueParameters};
+use crate::parameters::{ParameterSet, Parameters, TrueParameters, as_typed};
 use crate::progress;
 use crate::random::{Purpose, Random};
 use crate::simulate::{Magnetometer, Noise, Scenario, Simulation, world_field_ut};
@@ -127,21 +127,21 @@ pub struct StepResult {
 pub fn run(options: &StepOptions) -> Result<StepResult, LabError> {
     let truth = options.truth.parameters(ParameterSet::Ref)?;
     let choices = options.normalisations.iter();
-    let mut scores: Vec<Score> = choices.map(|normalisation| Score::new(*normalisation, options.seed)).collect();
+    let score =
+        |normalisation: &Normalisation| Score { normalisation: *normalisation, seed: options.seed, runs: Vec::new() };
+    let mut scores: Vec<Score> = choices.map(score).collect();
     let bar = progress::bar(options.runs * scores.len(), "step");
     for k in 0..options.runs {
         let seed = options.seed.wrapping_add(k as u64);
         let stream = scenario(options, &truth, seed).run();
         let constant = constant_field(options, &truth, seed)?;
         for score in &mut scores {
-            let config = config(options, constant, score.normalisation());
+            let config = config(options, constant, score.normalisation);
             score.add(follow(&stream, constant, config)?);
             bar.inc(1);
         }
     }
     bar.finish_and_clear();
-    let name =
-        |value: Option<clap::builder::PossibleValue>| value.map_or_else(String::new, |v| v.get_name().to_owned());
     Ok(StepResult {
         runs: options.runs,
         snr_db: options.snr_db,
@@ -149,8 +149,8 @@ pub fn run(options: &StepOptions) -> Result<StepResult, LabError> {
         scenario: format!(
             "{}, {} motion, {} residual",
             options.truth.name(ParameterSet::Ref),
-            name(options.motion.to_possible_value()),
-            name(options.residual.to_possible_value())
+            as_typed(&options.motion),
+            as_typed(&options.residual)
         ),
         normalisations: scores.into_iter().map(Score::finish).collect(),
     })

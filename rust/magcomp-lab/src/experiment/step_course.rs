@@ -13,7 +13,6 @@ const SHOWN_BEFORE: usize = 500;
 /// The runs over time; x counts samples.
 #[derive(Clone, Debug, Default)]
 pub struct Course {
-    /// Runs.
     pub runs: usize,
     /// The nine true parameters.
     pub truth: [Vec<(f64, f64)>; 9],

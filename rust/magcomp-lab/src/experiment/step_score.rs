@@ -37,7 +37,6 @@ pub struct Peaks {
 /// One parameter through the step.
 #[derive(Clone, Debug, Serialize)]
 pub struct ParameterResult {
-    /// Its name.
     pub name: &'static str,
     /// Samples after the step until the rms over runs of the relative error stays below 5 % for good; none when never.
     pub transient_samples: Option<usize>,
@@ -56,7 +55,6 @@ pub struct NormalisationResult {
     pub sigma_t: Spread,
     /// Window N over the last 1000 samples.
     pub window: Spread,
-    /// The nine parameters.
     pub parameters: Vec<ParameterResult>,
     /// Longest transient of the nine, samples; none when one never settles.
     pub transient_samples: Option<usize>,
@@ -76,23 +74,12 @@ pub struct NormalisationResult {
 /// Runs of one normalisation.
 #[derive(Clone, Debug)]
 pub struct Score {
-    normalisation: Normalisation,
-    seed: u64,
-    runs: Vec<Trace>,
+    pub normalisation: Normalisation,
+    pub seed: u64,
+    pub runs: Vec<Trace>,
 }
 
 impl Score {
-    /// No runs yet.
-    pub fn new(normalisation: Normalisation, seed: u64) -> Self {
-        Self { normalisation, seed, runs: Vec::new() }
-    }
-
-    /// Which normalisation.
-    pub fn normalisation(&self) -> Normalisation {
-        self.normalisation
-    }
-
-    /// One more run.
     pub fn add(&mut self, mut run: Trace) {
         if !self.runs.is_empty() {
             run.truth = Vec::new();
@@ -100,14 +87,13 @@ impl Score {
         self.runs.push(run);
     }
 
-    /// The numbers.
     pub fn finish(self) -> NormalisationResult {
         let parameters: Vec<ParameterResult> = (0..9).map(|i| self.parameter(i)).collect();
         let transient_samples = parameters.iter().map(|p| p.transient_samples).collect::<Option<Vec<_>>>();
         let transient_samples = transient_samples.and_then(|all| all.into_iter().max());
         let end = BEFORE + transient_samples.unwrap_or(AFTER - STEADY);
         let steady = |value: fn(&Trace) -> &Vec<f64>| {
-            let means = self.runs.iter().map(|run| mean(&value(run)[BEFORE + AFTER - STEADY..]));
+            let means = self.runs.iter().map(|run| Spread::of(&value(run)[BEFORE + AFTER - STEADY..]).mean);
             Spread::of(&means.collect::<Vec<_>>())
         };
         NormalisationResult {
@@ -164,8 +150,4 @@ impl Score {
         };
         Peaks { azimuth_deg: peak(|error| error.0), elevation_deg: peak(|error| error.1) }
     }
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
 }

@@ -32,7 +32,6 @@ pub struct Trace {
 }
 
 impl Trace {
-    /// One more sample.
     pub fn add(
         &mut self,
         sample: &MagneticSample,

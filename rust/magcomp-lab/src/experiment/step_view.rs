@@ -121,17 +121,14 @@ fn nine_panels(course: &Course) -> Vec<Panel> {
         let truth = course.truth[i].iter().map(|(_, truth)| *truth);
         let (low, high) = truth.fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)));
         let room = (high - low).max(0.02);
+        let lines = [
+            Series::new(if i == 0 { "true" } else { "" }, Colour::Grey, course.truth[i].clone()),
+            Series::new(if i == 0 { "median" } else { "" }, Colour::Blue, course.median[i].clone()),
+        ];
         Panel {
-            title: (*name).to_owned(),
-            x_label: if i >= 6 { "sample".to_owned() } else { String::new() },
-            y_label: String::new(),
-            x_range: None,
             y_range: Some((low - room, high + room)),
-            series: vec![
-                Series::new(if i == 0 { "true" } else { "" }, Colour::Grey, course.truth[i].clone()),
-                Series::new(if i == 0 { "median" } else { "" }, Colour::Blue, course.median[i].clone()),
-            ],
             layers: Layers { bands: vec![(Colour::Blue, course.most[i].clone())], ..Layers::default() },
+            ..Panel::new(name, if i >= 6 { "sample" } else { "" }, "", lines)
         }
     };
     NAMES.iter().enumerate().map(panel).collect()
@@ -145,17 +142,10 @@ fn angle_panels(course: &Course) -> Vec<Panel> {
     let panel = |name: &str, i: usize| {
         let (kept, method) = (&course.kept_deg[i], &course.method_deg[i]);
         let kept_edges = edges("parameters kept", Colour::Orange, kept);
-        Panel {
-            title: format!("{name} error"),
-            x_label: "sample".to_owned(),
-            y_label: "deg".to_owned(),
-            series: kept_edges.into_iter().chain(edges("method", Colour::Blue, method)).collect(),
-            layers: Layers {
-                bands: vec![(Colour::Orange, kept.clone()), (Colour::Blue, method.clone())],
-                ..Layers::default()
-            },
-            ..Panel::default()
-        }
+        let lines = kept_edges.into_iter().chain(edges("method", Colour::Blue, method));
+        let bands = vec![(Colour::Orange, kept.clone()), (Colour::Blue, method.clone())];
+        let layers = Layers { bands, ..Layers::default() };
+        Panel { layers, ..Panel::new(&format!("{name} error"), "sample", "deg", lines) }
     };
     vec![panel("azimuth", 0), panel("elevation", 1)]
 }

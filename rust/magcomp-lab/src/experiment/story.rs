@@ -25,11 +25,9 @@ const SIZE: (u32, u32) = (640, 260);
 /// What a method's heading came to.
 #[derive(Clone, Debug, Serialize)]
 pub struct Told {
-    /// The method.
     pub method: &'static str,
     /// Share of the rows with an answer, 0 to 1.
     pub answered: f64,
-    /// Its heading error.
     pub heading: Option<HeadingError>,
     #[serde(skip)]
     colour: Option<Colour>,
@@ -40,14 +38,12 @@ pub struct Told {
 /// All methods on a recording, in the order of the tables.
 #[derive(Clone, Debug, Serialize)]
 pub struct Story {
-    /// The recording's name.
     pub recording: String,
     /// The raw field first, then the paper's method; magcomp's heading is the last.
     pub methods: Vec<Told>,
 }
 
 impl Story {
-    /// Of a recording.
     pub fn of(recording: &Recording) -> Result<Self, LabError> {
         let contestants = TOLD.map(|(contestant, ..)| contestant);
         let scores = compare_rows(&recording.extent(), recording.rows.iter().cloned().map(Ok), &contestants, 0)?;
@@ -75,13 +71,10 @@ impl Story {
         });
         let names = [(magnet_s.start, "a magnet is put on"), (magnet_s.end, "and taken off")];
         let panel = Panel {
-            x_label: "s".to_owned(),
-            y_label: "heading error, deg".to_owned(),
             // room below for a line near 0
             y_range: Some((-3.0, SHOWN_DEG * 1.15)),
-            series: series.collect(),
             layers: Layers { marks: names.map(|(at_s, name)| (at_s, name.to_owned())).to_vec(), ..Layers::default() },
-            ..Panel::default()
+            ..Panel::new("", "s", "heading error, deg", series)
         };
         draw(&[panel], 1, SIZE)
     }

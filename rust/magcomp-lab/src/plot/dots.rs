@@ -2,6 +2,7 @@
 
 use super::colour::{Colour, INK, MESH, PAPER, with_dark_style};
 use crate::error::LabError;
+use crate::statistics::median;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -22,14 +23,12 @@ pub struct DotRow {
     pub name: String,
     /// What each recording came to; those that are no positive number are left out.
     pub values: Vec<f64>,
-    /// Of the dots.
     pub colour: Colour,
 }
 
 /// Rows of dots on one scale.
 #[derive(Clone, Debug)]
 pub struct Dots {
-    /// Above it.
     pub title: String,
     /// What a dot is, for the legend.
     pub dot: String,
@@ -41,16 +40,12 @@ pub struct Dots {
     pub marks_best: bool,
 }
 
-/// The mean of the middle two of an even number.
-fn median(values: &[f64]) -> Option<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let last = sorted.len().checked_sub(1)?;
-    Some(f64::midpoint(sorted[last / 2], sorted[last.div_ceil(2)]))
-}
-
 impl Dots {
-    /// Draws them.
+    /// Rows of that name, what a dot is, and the scale's name.
+    pub fn new(title: &str, dot: &str, x_label: &str, rows: Vec<DotRow>, marks_best: bool) -> Self {
+        Self { title: title.to_owned(), dot: dot.to_owned(), x_label: x_label.to_owned(), rows, marks_best }
+    }
+
     pub fn draw(&self) -> Result<String, LabError> {
         let mut svg = String::new();
         {
@@ -87,7 +82,7 @@ impl Dots {
         root.draw(&PathElement::new(vec![(left, bottom), (right, bottom)], INK))?;
         let below = (left + right) / 2;
         root.draw(&Text::new(self.x_label.clone(), (below, bottom + 22), text(13).pos(to(HPos::Center, VPos::Top))))?;
-        let medians: Vec<Option<f64>> = rows.iter().map(|(_, values)| median(values)).collect();
+        let medians: Vec<Option<f64>> = rows.iter().map(|(_, values)| median(values.clone())).collect();
         let least = medians.iter().flatten().copied().fold(f64::INFINITY, f64::min);
         for (k, ((row, values), median)) in rows.iter().zip(&medians).enumerate() {
             let y = (ABOVE + ROW * k as u32 + ROW / 2) as i32;
@@ -141,15 +136,14 @@ mod tests {
             colour: Colour::Blue,
         };
         let rows = vec![row("one", &[1.0, 2.0, 9.0]), row("other", &[3.0, f64::NAN, 4.0]), row("none", &[])];
-        let (title, dot, x_label) = ("title".to_owned(), "a recording".to_owned(), "deg".to_owned());
-        let mut dots = Dots { title, dot, x_label, rows, marks_best: true };
+        let mut dots = Dots::new("title", "a recording", "deg", rows, true);
         let circles = |svg: &str| svg.matches("<circle").count();
         let svg = dots.draw().unwrap();
         // five dots and one of the legend; a ring and one of the legend
         assert_eq!(circles(&svg), 8, "{svg}");
         dots.marks_best = false;
         assert_eq!(circles(&dots.draw().unwrap()), 6);
-        assert_eq!((median(&[1.0, 4.0, 2.0, 3.0]), median(&[])), (Some(2.5), None));
+        assert_eq!((median(vec![1.0, 4.0, 2.0, 3.0]), median(Vec::new())), (Some(2.5), None));
         dots.rows.clear();
         assert!(dots.draw().unwrap().contains("a recording"));
     }

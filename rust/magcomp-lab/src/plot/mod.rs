@@ -21,9 +21,7 @@ use plotters::prelude::*;
 pub struct Series {
     /// Its name in the legend; none when empty.
     pub name: String,
-    /// Its colour.
     pub colour: Colour,
-    /// Broken into dashes.
     pub dashed: bool,
     /// Drawn one pixel wide, as a line of many points is.
     pub fine: bool,
@@ -42,7 +40,6 @@ impl Series {
 /// One set of axes.
 #[derive(Clone, Debug, Default)]
 pub struct Panel {
-    /// Above it.
     pub title: String,
     /// Below the x axis, with the unit.
     pub x_label: String,
@@ -54,7 +51,6 @@ pub struct Panel {
     pub y_range: Option<(f64, f64)>,
     /// Lines, later ones on top.
     pub series: Vec<Series>,
-    /// The layers behind the lines.
     pub layers: Layers,
 }
 
@@ -97,6 +93,12 @@ pub fn draw(panels: &[Panel], columns: usize, size: (u32, u32)) -> Result<String
 }
 
 impl Panel {
+    /// Lines over axes of these names.
+    pub fn new(title: &str, x_label: &str, y_label: &str, series: impl IntoIterator<Item = Series>) -> Self {
+        let [title, x_label, y_label] = [title, x_label, y_label].map(str::to_owned);
+        Self { title, x_label, y_label, series: series.into_iter().collect(), ..Self::default() }
+    }
+
     fn draw<Backend: DrawingBackend>(
         &self,
         area: &DrawingArea<Backend, plotters::coord::Shift>,
@@ -197,14 +199,7 @@ mod tests {
     #[test]
     fn draws_an_svg_with_gaps_and_both_styles() {
         let points = (0..10_000).map(|k| (f64::from(k), if k == 5000 { f64::NAN } else { f64::from(k).sin() }));
-        let panel = Panel {
-            title: "A < B".to_owned(),
-            x_label: "sample".to_owned(),
-            y_label: "uT".to_owned(),
-            y_range: None,
-            series: vec![Series::new("sine", Colour::Blue, points)],
-            ..Panel::default()
-        };
+        let panel = Panel::new("A < B", "sample", "uT", [Series::new("sine", Colour::Blue, points)]);
         let svg = draw(&[panel], 1, (400, 300)).unwrap();
         assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
         assert!(svg.contains("A &lt; B") && svg.contains("prefers-color-scheme"));

@@ -5,7 +5,7 @@
 const MOST_POINTS: usize = 1400;
 
 /// A line in the making; points that are not finite interrupt it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Thin {
     /// Points of a stretch.
     stretch: usize,
@@ -21,7 +21,7 @@ impl Thin {
     /// For a line of so many points.
     pub fn new(points: usize) -> Self {
         let stretch = (2 * points).div_ceil(MOST_POINTS).max(1);
-        Self { stretch, count: 0, first_x: 0.0, lowest: None, highest: None, points: Vec::new() }
+        Self { stretch, ..Self::default() }
     }
 
     /// The next point, in the order of x.

@@ -3,9 +3,9 @@
 //! Only rows count whose axis is within 60 degrees of the horizontal by the reference: a heading means little beyond. Where a declination
 //! was given, the published heading is the true one, and the reference's north has to be the true one too.
 
-use super::circle::{FEWEST, off_deg};
+use super::circle::off_deg;
 use super::player::Step;
-use super::sizes::Sizes;
+use crate::statistics::{FEWEST, Sizes};
 use magcomp::nalgebra::Vector3;
 use magcomp::{ReferenceAxis, ScreenRotation, Status, heading};
 use magcomp_recordings::recording::Row;
@@ -13,8 +13,6 @@ use serde::Serialize;
 
 /// Sine of the elevation of an axis whose heading is not judged any more, 60 degrees.
 const STEEP: f64 = 0.866_025_403_784_438_6;
-/// Resolution of sigmas, degrees.
-const SIGMA_STEP_DEG: f64 = 0.001;
 /// An error that is more sigmas than this counts as so many in the mean square: one flip would hide all other rows.
 const MOST_SIGMAS: f64 = 10.0;
 /// An error beyond so many sigmas, while the status says that all is well, is a lie.
@@ -44,7 +42,7 @@ pub struct AbsoluteHeading {
 }
 
 /// Sums of the above, row by row.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Absolute {
     axis: ReferenceAxis,
     first_s: Option<f64>,
@@ -63,19 +61,7 @@ pub(super) struct Absolute {
 impl Absolute {
     /// Before the first row, for a heading of this axis.
     pub fn new(axis: ReferenceAxis) -> Self {
-        Self {
-            axis,
-            first_s: None,
-            rows: 0,
-            headings: 0,
-            squares_deg2: 0.0,
-            with_sigma: 0,
-            within: [0; 2],
-            squares_of_sigma: 0.0,
-            sigmas_deg: Sizes::new(SIGMA_STEP_DEG),
-            lie: None,
-            longest_lie_s: 0.0,
-        }
+        Self { axis, ..Self::default() }
     }
 
     /// The next row, `after_s` after the first one; `counted`: it is part of the figures. Gives the error of its heading, degrees,

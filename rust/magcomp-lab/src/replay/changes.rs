@@ -123,13 +123,7 @@ mod tests {
             time_s: f64::from(k) * 0.1,
             time_ns: i64::from(k) * 100_000_000,
             field_ut: Vector3::new(f64::from(k % 7), 20.0, -40.0),
-            before: Vec::new(),
-            up_m_s2: None,
-            rate_rad_s: None,
-            system_ut: None,
-            attitude: None,
-            hard_iron_ut: None,
-            course: None,
+            ..Row::default()
         };
         let recording = Recording { path: "r.csv".into(), rows: (0..1000).map(row).collect() };
         let mut steps = replay(&recording, &Config::default(), Ignore::default()).unwrap();

@@ -4,6 +4,7 @@
 //! Share within sigma: |a - centre| <= s sigma holds where the arc from a - s sigma to a + s sigma covers the centre. So only the
 //! beginnings and ends of arcs are counted, and the centre may become known afterwards.
 
+use crate::statistics::FEWEST;
 use serde::Serialize;
 
 /// Bins of a degree.
@@ -12,8 +13,6 @@ const BINS_PER_DEG: f64 = 1000.0;
 const BINS: usize = 360_000;
 /// Multiples of sigma whose shares are formed.
 const SIGMAS: [f64; 2] = [1.0, 2.0];
-/// Fewest rows a figure is formed from.
-pub(super) const FEWEST: usize = 50;
 
 /// Error of the heading against the reference, up to one constant, degrees.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

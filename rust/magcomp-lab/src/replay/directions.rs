@@ -1,7 +1,7 @@
 //! Vectors in the device, and where they point by the reference.
 
 use super::circle::Circle;
-use super::spread::Spread;
+use crate::statistics::Spread;
 use magcomp::nalgebra::Vector3;
 use magcomp_recordings::recording::Row;
 

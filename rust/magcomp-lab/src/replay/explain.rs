@@ -1,15 +1,10 @@
 //! `replay --explain`: why each reading said what it said, one row for every input row, in order.
 
 use super::output::{cell, vector};
-use crate::atomic::AtomicFile;
-use crate::error::LabError;
-use magcomp::{
-    ChangeHypothesis, ChangeKind, EXPLAINED_HYPOTHESES, Estimator, EstimatorPhase, EventKind, Explanation, HeadingAid,
-    Reading, SampleUse, Status,
-};
+use magcomp::{ChangeHypothesis, EXPLAINED_HYPOTHESES, Explanation, Reading, Status};
 use magcomp_recordings::recording::Row;
+use std::fmt::Debug;
 use std::io::{self, Write};
-use std::path::Path;
 
 /// The columns before those of the hypotheses.
 const BEFORE: &str = "t_s,status,event,event_onset_s,estimator,phase,tries_both,sample,\
@@ -23,50 +18,41 @@ const AFTER: &str = "white_ut,local_ut,hard_iron_walk_ut_per_sqrt_s,delay_s,dela
                      gyroscope_bias_sigma_x_rad_s,gyroscope_bias_sigma_y_rad_s,gyroscope_bias_sigma_z_rad_s,\
                      outside,outside_off_deg,outside_expected_deg,outside_north_sigma_deg";
 
-/// The explanations of a replay in the making; the file appears under its name when it is finished.
-pub struct ExplainOutput {
-    file: AtomicFile,
+/// The names of the columns, as a line.
+pub fn write_explain_header(out: &mut dyn Write) -> io::Result<()> {
+    write!(out, "{BEFORE}")?;
+    for k in 1..=EXPLAINED_HYPOTHESES {
+        HYPOTHESIS.iter().try_for_each(|column| write!(out, ",hypothesis_{k}_{column}"))?;
+    }
+    writeln!(out, ",{AFTER}")
 }
 
-impl ExplainOutput {
-    /// Begins to write `path`.
-    ///
-    /// # Errors
-    /// [`LabError::Write`]; a file that was at `path` before is untouched then.
-    pub fn create(path: &Path) -> Result<Self, LabError> {
-        let mut file = AtomicFile::create(path)?;
-        file.write(|out| {
-            write!(out, "{BEFORE}")?;
-            for k in 1..=EXPLAINED_HYPOTHESES {
-                HYPOTHESIS.iter().try_for_each(|column| write!(out, ",hypothesis_{k}_{column}"))?;
-            }
-            writeln!(out, ",{AFTER}")
-        })?;
-        Ok(Self { file })
-    }
-
-    /// The next row, its reading and the inside of the compensator after it.
-    pub fn add(&mut self, row: &Row, reading: &Reading, explanation: &Explanation) -> Result<(), LabError> {
-        self.file.write(|out| line(out, row, reading, explanation))
-    }
-
-    /// Moves it into place.
-    pub fn finish(self) -> Result<(), LabError> {
-        self.file.finish()
-    }
-}
-
-fn line(out: &mut dyn Write, row: &Row, reading: &Reading, explanation: &Explanation) -> io::Result<()> {
+/// The line of a row, its reading and the inside of the compensator after it.
+pub fn write_explanation(
+    out: &mut dyn Write,
+    row: &Row,
+    reading: &Reading,
+    explanation: &Explanation,
+) -> io::Result<()> {
     let seconds = |time_ns: i64| row.time_s + time_ns.saturating_sub(row.time_ns) as f64 * 1e-9;
     // a rejected sample changed nothing: what is told of a sample is of one before it
     let is_rejected = matches!(reading.status, Status::Rejected(_));
     // in the row of its decision alone
     let event = reading.event.filter(|event| !is_rejected && event.decided_ns == row.time_ns);
-    write!(out, "{},{},{}", row.time_s, reading.status.label(), event.map_or("", |event| event_word(event.kind)))?;
+    write!(
+        out,
+        "{},{},{}",
+        row.time_s,
+        reading.status.label(),
+        event.map_or_else(String::new, |event| word(event.kind))
+    )?;
     cell(out, event.map(|event| seconds(event.since_ns)), 3)?;
     let Explanation { estimator, phase, tries_both, sample, innovation, hypotheses, noise, outside, .. } = explanation;
-    let sample = if is_rejected { "rejected" } else { sample.map_or("", sample_word) };
-    write!(out, ",{},{},{tries_both},{sample}", estimator_word(*estimator), phase_word(*phase))?;
+    let sample = match sample {
+        _ if is_rejected => "rejected".to_owned(),
+        sample => sample.map_or_else(String::new, word),
+    };
+    write!(out, ",{},{},{tries_both},{sample}", word(estimator), word(phase))?;
     let innovation = innovation.filter(|_| !is_rejected);
     vector(out, innovation.map(|it| it.innovation_ut), 4)?;
     vector(out, innovation.map(|it| it.expected_ut), 4)?;
@@ -74,14 +60,11 @@ fn line(out: &mut dyn Write, row: &Row, reading: &Reading, explanation: &Explana
     cell(out, explanation.gated_share, 4)?;
     cell(out, explanation.compared_turn_deg, 2)?;
     for hypothesis in hypotheses {
-        let ChangeHypothesis { kind, onset_ns, log_odds, gated_share, .. } = match hypothesis {
-            Some(hypothesis) => hypothesis,
-            None => {
-                write!(out, "{}", ",".repeat(HYPOTHESIS.len()))?;
-                continue;
-            }
+        let Some(ChangeHypothesis { kind, onset_ns, log_odds, gated_share, .. }) = hypothesis else {
+            write!(out, "{}", ",".repeat(HYPOTHESIS.len()))?;
+            continue;
         };
-        write!(out, ",{},{:.3},{log_odds:.2}", kind_word(*kind), seconds(*onset_ns))?;
+        write!(out, ",{},{:.3},{log_odds:.2}", word(kind), seconds(*onset_ns))?;
         cell(out, *gated_share, 4)?;
     }
     cell(out, noise.white_ut, 4)?;
@@ -91,7 +74,7 @@ fn line(out: &mut dyn Write, row: &Row, reading: &Reading, explanation: &Explana
     cell(out, noise.delay_sigma_s, 6)?;
     vector(out, noise.gyroscope_bias_rad_s, 6)?;
     vector(out, noise.gyroscope_bias_sigma_rad_s, 6)?;
-    write!(out, ",{}", outside.map_or("", |it| aid_word(it.aid)))?;
+    write!(out, ",{}", outside.map_or_else(String::new, |it| word(it.aid)))?;
     for degrees in
         [outside.map(|it| it.off_deg), outside.map(|it| it.expected_deg), outside.map(|it| it.north_sigma_deg)]
     {
@@ -100,57 +83,14 @@ fn line(out: &mut dyn Write, row: &Row, reading: &Reading, explanation: &Explana
     writeln!(out)
 }
 
-fn event_word(kind: EventKind) -> &'static str {
-    match kind {
-        EventKind::DeviceStep => "device_step",
-        EventKind::DeviceStepBack => "device_step_back",
-        EventKind::PlaceChanged => "place_changed",
+/// The name of a variant, `AtRest` as at_rest.
+fn word(variant: impl Debug) -> String {
+    let mut word = String::new();
+    for letter in format!("{variant:?}").chars() {
+        if letter.is_uppercase() && !word.is_empty() {
+            word.push('_');
+        }
+        word.extend(letter.to_lowercase());
     }
-}
-
-fn estimator_word(estimator: Estimator) -> &'static str {
-    match estimator {
-        Estimator::Aided => "aided",
-        Estimator::Adaptive => "adaptive",
-        Estimator::Windowed => "windowed",
-    }
-}
-
-fn phase_word(phase: EstimatorPhase) -> &'static str {
-    match phase {
-        EstimatorPhase::Starting => "starting",
-        EstimatorPhase::Running => "running",
-        EstimatorPhase::Undecided => "undecided",
-    }
-}
-
-fn sample_word(usage: SampleUse) -> &'static str {
-    match usage {
-        SampleUse::Used => "used",
-        SampleUse::Gated => "gated",
-        SampleUse::Compared => "compared",
-        SampleUse::Pooled => "pooled",
-        SampleUse::AtRest => "at_rest",
-        SampleUse::NoRotation => "no_rotation",
-        SampleUse::Unused => "unused",
-    }
-}
-
-fn aid_word(aid: HeadingAid) -> &'static str {
-    match aid {
-        HeadingAid::Used => "used",
-        HeadingAid::Leads => "leads",
-        HeadingAid::Disagrees => "disagrees",
-    }
-}
-
-fn kind_word(kind: ChangeKind) -> &'static str {
-    match kind {
-        ChangeKind::FromNothing => "from_nothing",
-        ChangeKind::Unchanged => "unchanged",
-        ChangeKind::Device => "device",
-        ChangeKind::HardIron => "hard_iron",
-        ChangeKind::DeviceBack => "device_back",
-        ChangeKind::Place => "place",
-    }
+    word
 }

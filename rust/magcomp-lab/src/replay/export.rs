@@ -3,7 +3,7 @@
 use crate::atomic::write_atomically;
 use crate::error::LabError;
 use magcomp::Compensator;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use std::path::Path;
 
 /// Writes the calibration in force to `path`, as [`calibration_json`].
@@ -21,22 +21,19 @@ pub fn write_calibration(path: &Path, compensator: &Compensator, recording: &str
 /// `covariance_order`; null where it is not known), `format`, `time_s` and `recording`, which `Calibration` passes over.
 pub fn calibration_json(compensator: &Compensator, recording: &str, time_s: f64) -> Option<String> {
     let calibration = compensator.calibration()?;
-    let parts = serde_json::to_value(calibration).expect("a calibration is JSON");
-    let mut object = Map::new();
-    object.insert("format".to_owned(), json!("magcomp calibration 1"));
-    object.insert("recording".to_owned(), json!(recording));
-    object.insert("time_s".to_owned(), json!(time_s));
-    if let Value::Object(parts) = parts {
-        object.extend(parts);
-    }
     let covariance = compensator.covariance().map(|covariance| {
         let row = |i: usize| (0..9).map(|j| covariance[(i, j)]).collect::<Vec<f64>>();
         (0..9).map(row).collect::<Vec<_>>()
     });
-    object.insert("covariance".to_owned(), json!(covariance));
-    object.insert(
-        "covariance_order".to_owned(),
-        json!(["b_x", "b_y", "b_z", "m_xx", "m_yy", "m_zz", "m_xy", "m_xz", "m_yz"]),
-    );
+    let mut object = json!({
+        "format": "magcomp calibration 1",
+        "recording": recording,
+        "time_s": time_s,
+        "covariance": covariance,
+        "covariance_order": ["b_x", "b_y", "b_z", "m_xx", "m_yy", "m_zz", "m_xy", "m_xz", "m_yz"],
+    });
+    if let (Value::Object(object), Value::Object(parts)) = (&mut object, json!(calibration)) {
+        object.extend(parts);
+    }
     Some(serde_json::to_string_pretty(&object).expect("numbers under names") + "\n")
 }

@@ -4,12 +4,12 @@
 use super::circle::{Circle, off_deg};
 use super::directions::azimuth_deg;
 use super::player::Step;
-use super::sizes::Sizes;
 use super::sphere::Sphere;
 use super::told::Mark;
 use crate::error::LabError;
 use crate::plot::{Band, Colour, Thin};
 use crate::report::Report;
+use crate::statistics::Sizes;
 use magcomp::nalgebra::Vector3;
 use magcomp::{Calibration, Explanation};
 use magcomp_recordings::recording::{Extent, Recording, Row};
@@ -23,16 +23,11 @@ pub(super) const LANES: [(&str, Colour); 6] = [
     ("held", Colour::Status(4)),
     ("collecting", Colour::Status(5)),
 ];
-/// Resolution of total fields, uT.
-const FIELD_STEP_UT: f64 = 0.001;
-/// Resolution of sigmas, degrees.
-const SIGMA_STEP_DEG: f64 = 0.001;
-
 /// Pixels across a picture: the band has about one point a pixel, and spans of a lane that are less apart are drawn as one.
 const PIXELS: usize = 1000;
 
 /// A replay as a picture, made row by row in memory that does not grow with it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Figures {
     pub(super) extent: Extent,
     rows: usize,
@@ -93,7 +88,7 @@ impl Inside {
 
 /// Azimuths as a line about their median, which is known only at the end. Within a stretch an azimuth is stored by its
 /// difference from another one, so that the lowest and the highest are those of one turn.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct ErrorLine {
     azimuths: Circle,
     line: Thin,
@@ -122,31 +117,19 @@ impl Figures {
         let error = || ErrorLine { azimuths: Circle::default(), line: line() };
         Self {
             extent: *extent,
-            rows: 0,
             raw: line(),
             corrected: line(),
             raw_error: error(),
             corrected_error: error(),
             heading_error: error(),
-            two_sigma: Sizes::new(SIGMA_STEP_DEG),
-            band: Vec::new(),
             system: line(),
-            total_field: Sizes::new(FIELD_STEP_UT),
-            raw_field: Sizes::new(FIELD_STEP_UT),
-            heading: Vec::new(),
-            heading_band: Vec::new(),
             dip: line(),
             truth: [line(), line(), line()],
             parameters: std::array::from_fn(|_| line()),
-            parameter_bands: Default::default(),
             sphere: Sphere::new(extent),
             window: line(),
             sigma_t: line(),
-            any_sigma_t: false,
-            inside: None,
-            lanes: Default::default(),
-            lane: None,
-            noted: Vec::new(),
+            ..Self::default()
         }
     }
 

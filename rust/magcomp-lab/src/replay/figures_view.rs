@@ -178,11 +178,5 @@ fn is_any(points: &[(f64, f64)]) -> bool {
 }
 
 fn panel(title: &str, y_label: &str, series: Vec<Series>) -> Panel {
-    Panel {
-        title: title.to_owned(),
-        x_label: "time, s".to_owned(),
-        y_label: y_label.to_owned(),
-        series,
-        ..Panel::default()
-    }
+    Panel::new(title, "time, s", y_label, series)
 }

@@ -16,15 +16,14 @@
 
 use super::absolute::Absolute;
 use super::changes::{Changes, Declared};
-use super::circle::{Circle, FEWEST, off_deg};
+use super::circle::{Circle, off_deg};
 use super::directions::Directions;
 use super::judgement::{Disturbance, Judgement};
 use super::kinds::Kinds;
 use super::level::Level;
 use super::player::Step;
-use super::sizes::Sizes;
-use super::spread::Spread;
 use super::turns::Turns;
+use crate::statistics::{FEWEST, Sizes, Spread};
 use magcomp::nalgebra::Vector3;
 use magcomp::{Event, ReferenceAxis, RejectReason, Status};
 use magcomp_recordings::recording::{Extent, Recording, Row};
@@ -33,8 +32,6 @@ use std::ops::Range;
 
 /// Seconds at the start that do not count, but never more than half of a recording.
 const WARM_UP_S: f64 = 20.0;
-/// Resolution of total fields, uT: far below the noise of every sensor.
-const FIELD_STEP_UT: f64 = 0.001;
 /// Deviation of the total field from the usual one that makes a row disturbed.
 const DISTURBED: f64 = 0.15;
 
@@ -45,7 +42,7 @@ pub fn usual_part(extent: &Extent) -> Range<f64> {
 
 /// Judges a replay row by row, in memory that does not grow with it. Headings are right to 0.001 degrees, the usual total field
 /// to 0.001 uT.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Judge {
     extent: Extent,
     part: Range<f64>,
@@ -84,28 +81,9 @@ impl Judge {
             from_s: usual_part(extent).start.min(part.start),
             extent: *extent,
             part,
-            rows: 0,
-            answered: 0,
-            first_s: None,
-            ours: Directions::default(),
-            carried: Directions::default(),
-            published: Circle::default(),
             absolute: Absolute::new(axis),
-            raw: Directions::default(),
-            system: Directions::default(),
-            level: Level::default(),
-            dips: Default::default(),
-            turns: Turns::default(),
-            changes: Changes::default(),
-            declination_deg: None,
-            samples_at_rail: 0,
-            total_field: Sizes::new(FIELD_STEP_UT),
-            called_disturbed: Sizes::new(FIELD_STEP_UT),
-            events: Vec::new(),
-            status: BTreeMap::new(),
             push_ns: Sizes::new(1.0),
-            sum_push_ns: 0,
-            max_push_ns: 0,
+            ..Self::default()
         }
     }
 

@@ -139,12 +139,7 @@ mod tests {
                 time_ns: (time_s * 1e9) as i64,
                 field_ut: Vector3::new(east, north, -40.0),
                 up_m_s2: Some(Vector3::new(0.0, 0.0, 9.8)),
-                rate_rad_s: None,
-                before: Vec::new(),
-                system_ut: None,
-                attitude: None,
-                hard_iron_ut: None,
-                course: None,
+                ..Row::default()
             }
         };
         let recording = Recording { path: "walk.csv".into(), rows: (0..200).map(row).collect() };

@@ -120,13 +120,9 @@ mod tests {
                 time_s,
                 time_ns: i64::from(k) * 20_000_000,
                 field_ut: Vector3::zeros(),
-                before: Vec::new(),
                 up_m_s2: Some(to_device * Vector3::z() * 9.8),
                 rate_rad_s: (!is_silent).then_some(to_device * Vector3::z() * std::f64::consts::TAU / 10.0),
-                system_ut: None,
-                attitude: None,
-                hard_iron_ut: None,
-                course: None,
+                ..Row::default()
             });
             assert!(level.up().is_some(), "{time_s}");
             if (15.3..17.9).contains(&time_s) {

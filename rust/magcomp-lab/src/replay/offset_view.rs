@@ -1,8 +1,8 @@
 //! Raw samples where they lie, about b, and the corrected ones about the origin: what a device's own disturbance does to a field.
 
 use super::player::Step;
-use super::square::{PANEL, Square, text};
-use crate::plot::{Colour, with_dark_style};
+use super::square::{PANEL, Square, picture, text};
+use crate::plot::Colour;
 use magcomp::nalgebra::{Vector2, Vector3};
 use magcomp_recordings::recording::Recording;
 use std::ops::Range;
@@ -38,24 +38,20 @@ pub fn offset_picture(
     let size = |v: &Vector2<f64>| v.amax();
     let extent =
         shown.iter().flat_map(|((raw, ..), _)| raw.iter().map(size)).filter(|it| it.is_finite()).fold(1.0, f64::max);
-    let (width, height) = (PANEL * shown.len() as f64, PANEL + TITLE);
-    let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"12\">\n\
-         <rect width=\"{width}\" height=\"{height}\" fill=\"#FFFFFF\"/>\n"
-    );
-    for (column, ((raw, corrected, found), title)) in shown.iter().enumerate() {
-        let panel = Square { left: column as f64 * PANEL, top: TITLE, scale: 0.5 * PANEL / (ROOM * extent) };
-        text(&mut out, panel.left + 10.0, 16.0, 13, title);
-        let told = found.map_or_else(|| "no calibration yet".to_owned(), |b| format!("b found: {:.1} uT", b.norm()));
-        panel.begin(&mut out, &format!("{} right, {} up; {told}", names[axes.0], names[axes.1]));
-        panel.points(&mut out, raw.iter().copied(), Colour::Grey);
-        panel.points(&mut out, corrected.iter().copied(), Colour::Blue);
-        if let Some(found) = found {
-            panel.line(&mut out, [Vector2::zeros(), flat(found)].into_iter(), Colour::Red, 1.0);
-            panel.ring(&mut out, flat(found), 1.0);
+    picture(PANEL * shown.len() as f64, PANEL + TITLE, |out| {
+        for (column, ((raw, corrected, found), title)) in shown.iter().enumerate() {
+            let panel = Square { left: column as f64 * PANEL, top: TITLE, scale: 0.5 * PANEL / (ROOM * extent) };
+            text(out, panel.left + 10.0, 16.0, 13, title);
+            let told =
+                found.map_or_else(|| "no calibration yet".to_owned(), |b| format!("b found: {:.1} uT", b.norm()));
+            panel.begin(out, &format!("{} right, {} up; {told}", names[axes.0], names[axes.1]));
+            panel.points(out, raw.iter().copied(), Colour::Grey);
+            panel.points(out, corrected.iter().copied(), Colour::Blue);
+            if let Some(found) = found {
+                panel.line(out, [Vector2::zeros(), flat(found)].into_iter(), Colour::Red, 1.0);
+                panel.ring(out, flat(found), 1.0);
+            }
+            panel.end(out);
         }
-        panel.end(&mut out);
-    }
-    out.push_str("</svg>\n");
-    with_dark_style(&out)
+    })
 }

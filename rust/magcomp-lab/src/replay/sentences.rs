@@ -3,11 +3,11 @@
 use super::changes::{DeviceChange, PlaceDiffered};
 use super::circle::HeadingError;
 use super::judgement::Judgement;
-use super::spread::MeanSpread;
+use crate::statistics::MeanSpread;
 use crate::table::number;
 
 /// Total fields that the Earth has at its surface, uT.
-const EARTH_UT: (f64, f64) = (22.0, 67.0);
+pub(super) const EARTH_UT: (f64, f64) = (22.0, 67.0);
 /// Most changes that are told in words.
 const MOST_CHANGES: usize = 12;
 
@@ -156,13 +156,10 @@ mod tests {
                 time_s,
                 time_ns: i64::from(k) * 20_000_000,
                 field_ut: attitude(time_s).inverse() * FIELD_UT + HARD_IRON_UT,
-                before: Vec::new(),
                 up_m_s2: Some(Vector3::z() * 9.8),
                 rate_rad_s: Some(Vector3::z() * std::f64::consts::TAU / 10.0),
-                system_ut: None,
                 attitude: turned.map(|turned| turned * attitude(time_s)),
-                hard_iron_ut: None,
-                course: None,
+                ..Row::default()
             }
         };
         let recording = Recording { path: "r.csv".into(), rows: (0..3000).map(row).collect() };

@@ -41,7 +41,7 @@ pub(super) struct Epoch<'a> {
 }
 
 /// The sphere of a replay in the making.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Sphere {
     extent: Extent,
     every: usize,
@@ -64,15 +64,7 @@ struct Course {
 impl Sphere {
     /// For a recording of this extent.
     pub fn new(extent: &Extent) -> Self {
-        Self {
-            extent: *extent,
-            every: extent.rows.div_ceil(MOST).max(1),
-            rows: 0,
-            samples: Vec::new(),
-            calibrations: Vec::new(),
-            events: Vec::new(),
-            course: Course::default(),
-        }
+        Self { extent: *extent, every: extent.rows.div_ceil(MOST).max(1), ..Self::default() }
     }
 
     /// The next row and the compensator's step for it.

@@ -4,8 +4,8 @@
 //! of M M^T that belongs to the other two axes. From aside, w is out of the paper: a wire is in front where w > 0.
 
 use super::sphere::{Epoch, Sample, Sphere};
-use super::square::{PANEL, Square, text};
-use crate::plot::{Colour, with_dark_style};
+use super::square::{PANEL, Square, picture, text};
+use crate::plot::Colour;
 use crate::report::Report;
 use magcomp::nalgebra::{Matrix2, Matrix3, Rotation3, Vector2, Vector3};
 use std::f64::consts::{PI, TAU};
@@ -54,16 +54,9 @@ pub(super) fn show(sphere: &Sphere, report: &mut Report, name: &str, recording: 
 
 /// A picture of these stretches, one below the other.
 fn svg(epochs: &[Epoch<'_>]) -> String {
-    let (width, height) = (4.0 * PANEL, epochs.len() as f64 * (PANEL + TITLE));
-    let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"12\">\n\
-         <rect width=\"{width}\" height=\"{height}\" fill=\"#FFFFFF\"/>\n"
-    );
-    for (row, epoch) in epochs.iter().enumerate() {
-        draw(&mut out, epoch, row as f64 * (PANEL + TITLE));
-    }
-    out.push_str("</svg>\n");
-    with_dark_style(&out)
+    picture(4.0 * PANEL, epochs.len() as f64 * (PANEL + TITLE), |out| {
+        epochs.iter().enumerate().for_each(|(row, epoch)| draw(out, epoch, row as f64 * (PANEL + TITLE)));
+    })
 }
 
 fn draw(out: &mut String, epoch: &Epoch<'_>, top: f64) {

@@ -1,11 +1,22 @@
 //! A square panel of a picture as SVG: frame, axes, points, lines and rings in microtesla.
 
-use crate::plot::Colour;
+use crate::plot::{Colour, with_dark_style};
 use magcomp::nalgebra::Vector2;
 use std::fmt::Write as _;
 
 /// Edge of a panel, pixels.
 pub(super) const PANEL: f64 = 275.0;
+
+/// A picture of this size, light and dark.
+pub(super) fn picture(width: f64, height: f64, draw: impl FnOnce(&mut String)) -> String {
+    let mut out = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"12\">\n\
+         <rect width=\"{width}\" height=\"{height}\" fill=\"#FFFFFF\"/>\n"
+    );
+    draw(&mut out);
+    out.push_str("</svg>\n");
+    with_dark_style(&out)
+}
 
 /// A square panel whose middle is the origin.
 pub(super) struct Square {

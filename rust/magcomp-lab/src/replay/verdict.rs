@@ -1,8 +1,8 @@
 //! The verdict on a recording: good, doubtful or bad, why, and what to do next.
 
 use super::judgement::Judgement;
-use super::sentences::short;
-use super::spread::MeanSpread;
+use super::sentences::{EARTH_UT, short};
+use crate::statistics::MeanSpread;
 use crate::table::Table;
 use magcomp_recordings::conventions::{Conventions, Weight};
 use magcomp_recordings::error::shorten;
@@ -17,8 +17,7 @@ const HEADING_DEG: [f64; 2] = [8.0, 20.0];
 /// Off the model of the place: dip, degrees; total field, a share of it.
 const OFF_DIP_DEG: [f64; 2] = [6.0, 15.0];
 const OFF_FIELD: [f64; 2] = [0.10, 0.25];
-/// Total fields that the Earth has, uT, and those that iron near by makes of them.
-const EARTH_UT: (f64, f64) = (22.0, 67.0);
+/// Total fields that iron near by makes of the Earth's, uT.
 const NEAR_IRON_UT: (f64, f64) = (15.0, 90.0);
 /// Share of the rows that must be answered.
 const ANSWERED: f64 = 0.5;
@@ -188,15 +187,12 @@ pub type Played = (String, Result<(Judgement, Verdict), String>);
 pub fn verdicts_table(title: &str, lines: &[Played]) -> Table {
     let columns = ["recording", "verdict", "s", "answered, %", "field, uT", "dip, deg", "why"];
     let mut table = Table::new(title, &columns);
+    let dash = || "-".to_owned();
     for (name, outcome) in lines {
         let cells = match outcome {
             Ok((judgement, verdict)) => {
-                let mean = |figure: Option<MeanSpread>| {
-                    figure.map_or_else(
-                        || "-".to_owned(),
-                        |MeanSpread { mean, spread }| format!("{mean:.1} +- {spread:.1}"),
-                    )
-                };
+                let told = |it: MeanSpread| format!("{:.1} +- {:.1}", it.mean, it.spread);
+                let mean = |figure: Option<MeanSpread>| figure.map_or_else(dash, told);
                 vec![
                     name.clone(),
                     verdict.grade.word().to_owned(),
@@ -207,10 +203,7 @@ pub fn verdicts_table(title: &str, lines: &[Played]) -> Table {
                     shorten(&verdict.reason()),
                 ]
             }
-            Err(why) => {
-                let dash = || "-".to_owned();
-                vec![name.clone(), "not read".to_owned(), dash(), dash(), dash(), dash(), shorten(why)]
-            }
+            Err(why) => vec![name.clone(), "not read".to_owned(), dash(), dash(), dash(), dash(), shorten(why)],
         };
         table.row(cells);
     }

@@ -3,7 +3,7 @@
 use super::judgement::Judgement;
 use super::kinds::Kinds;
 use super::sentences::{counted, sentences, signed};
-use super::spread::MeanSpread;
+use crate::statistics::MeanSpread;
 use crate::table::{Table, number};
 
 /// The summary of a replay: first what it comes to, in sentences; `recording` is its name.

@@ -1,11 +1,10 @@
 //! The figures of a run.
 
 use super::errors::{Mode, Sample, samples};
-use super::explained::explains;
-use super::statistics::{median, rms};
-use super::stretch::{self, Begin, Stretch};
+use super::stretch::{self, Begin, Stretch, explains};
 use crate::replay::Step;
 use crate::simulate::{Change, ChangeKind, Simulation};
+use crate::statistics::{median, rms};
 use magcomp::{Event, EventKind};
 use serde::Serialize;
 

@@ -1,8 +1,8 @@
 //! The runs of one scenario in a line.
 
 use super::figures::Figures;
-use super::statistics::median;
 use super::stretch::{Begin, Stretch};
+use crate::statistics::median;
 use serde::Serialize;
 
 /// Median and worst run.

@@ -28,16 +28,12 @@
 //! * lost: its last 5 s have a root mean square of f (or of the calibration, as above) of over 5 degrees.
 
 mod errors;
-mod explained;
 mod figures;
 mod line;
-mod statistics;
 mod stretch;
 
 pub use errors::{Mode, Sample, samples};
-pub(crate) use explained::is_explained;
 pub use figures::{Errors, Figures};
 pub use line::{Line, Runs};
-pub(crate) use statistics::rms;
-pub(crate) use stretch::settled;
 pub use stretch::{Begin, Settled, Stretch};
+pub(crate) use stretch::{is_explained, settled};

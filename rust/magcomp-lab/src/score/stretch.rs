@@ -1,9 +1,8 @@
 //! The time from a change, or the start, to the next change or the end.
 
 use super::errors::{Mode, Sample};
-use super::explained::explains;
-use super::statistics::rms;
 use crate::simulate::{Change, ChangeKind};
+use crate::statistics::rms;
 use magcomp::Event;
 use serde::Serialize;
 
@@ -17,6 +16,9 @@ const LIMITS_DEG: [f64; 2] = [5.0, 2.0];
 const NO_ANSWER_DEG: f64 = 180.0;
 /// b is compared so long after a change, s.
 const COMPARED_S: f64 = 3.0;
+
+/// A change explains a step from so long before it until so long after it, s.
+const EXPLAINS_S: (f64, f64) = (5.0, 12.0);
 
 /// What a stretch begins with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -155,6 +157,17 @@ pub(crate) fn settled(errors: &[(f64, f64)], trailing: usize, limit: f64) -> Opt
         bad -= usize::from(errors[k + 1 - trailing].1 >= limit);
     }
     since
+}
+
+/// Whether a step's onset is near enough to a change, and its decision not before it.
+pub(super) fn explains(change_s: (f64, f64), event: &Event) -> bool {
+    is_explained(change_s, event.since_ns as f64 / 1e9, event.decided_ns as f64 / 1e9)
+}
+
+/// The same of a step that began at `since_s` and was decided at `decided_s`.
+pub(crate) fn is_explained(change_s: (f64, f64), since_s: f64, decided_s: f64) -> bool {
+    let near = change_s.0 - EXPLAINS_S.0..=change_s.1 + EXPLAINS_S.1;
+    near.contains(&since_s) && decided_s >= change_s.0
 }
 
 #[cfg(test)]

@@ -6,7 +6,6 @@ use crate::error::LabError;
 use crate::replay::{Ignore, Player, Step};
 use crate::score::Figures;
 use crate::trials::{Folder, TrialScore};
-use clap::ValueEnum;
 use magcomp::{Config, Method, Tunings};
 use std::path::Path;
 
@@ -99,11 +98,6 @@ impl Way {
     }
 }
 
-/// As on the command line.
-pub(super) fn group_name(group: Group) -> String {
-    group.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
-}
-
 /// The stream of a variant and a seed with every setting, and the samples that were played.
 pub(super) fn stream(way: Way, variant: &Variant, seed: u64, settings: &[Tunings]) -> Result<(Unit, usize), LabError> {
     let scenario = variant.scenario(seed);
@@ -125,7 +119,7 @@ pub(super) fn stream(way: Way, variant: &Variant, seed: u64, settings: &[Tunings
         way,
         is_trial: false,
         name: variant.name.clone(),
-        group: group_name(variant.group),
+        group: variant.group.name(),
         stratum: variant.name.clone(),
         outcomes,
     };
@@ -173,6 +167,7 @@ fn together(scores: &[TrialScore]) -> Option<Outcome> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::ValueEnum;
 
     /// A group that is new in the catalogue must be exercised here: those below have no heading with a gyroscope, or last for half an hour.
     #[test]

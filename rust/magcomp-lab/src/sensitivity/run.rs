@@ -6,7 +6,7 @@ use super::score::{Moves, Unit, Way};
 use super::view::{Found, Row, SensitivityOptions, Subject, page};
 use crate::catalogue::Variant;
 use crate::error::LabError;
-use crate::parallel::{cores, map};
+use crate::parallel::cores;
 use crate::progress;
 use crate::table::Table;
 use crate::trials::Folder;
@@ -100,18 +100,12 @@ fn play(
     for (own, (_, variants)) in settings.iter().zip(variants) {
         jobs.extend(variants.iter().flat_map(|it| seeds.clone().map(move |seed| Job::Stream(own, it, seed))));
     }
-    let bar = progress::bar(jobs.len(), "sensitivity");
-    let found = map(&jobs, cores(), |job| {
-        let found = match job {
-            Job::Stream((way, own), variant, seed) => {
-                stream(*way, variant, *seed, own).map(|(unit, rows)| (vec![unit], rows))
-            }
-            Job::Trial(folder, path) => trial(folder, path, settings),
-        };
-        bar.inc(1);
-        found
+    let found = progress::map("sensitivity", &jobs, cores(), |job| match job {
+        Job::Stream((way, own), variant, seed) => {
+            stream(*way, variant, *seed, own).map(|(unit, rows)| (vec![unit], rows))
+        }
+        Job::Trial(folder, path) => trial(folder, path, settings),
     });
-    bar.finish_and_clear();
     let (mut units, mut samples) = (Vec::new(), 0);
     for found in found {
         let (own, rows) = found?;

@@ -1,6 +1,5 @@
 //! The page docs/dev/TUNING.md.
 
-use super::bench::group_name;
 use super::score::{MOVED, MOVED_IN_A_GROUP, Moved, Moves, Unit, Way, absolute_deg};
 use crate::catalogue::{Group, Variant};
 use crate::table::Table;
@@ -164,7 +163,7 @@ fn made(found: &Found<'_>) -> String {
     let folders = options.recordings.iter().filter_map(|path| path.file_name()).map(|name| name.to_string_lossy());
     folders.for_each(|name| add("--recordings", &name));
     options.index.iter().filter_map(|path| path.file_name()).for_each(|name| add("--index", &name.to_string_lossy()));
-    options.groups.iter().for_each(|group| add("--group", &group_name(*group)));
+    options.groups.iter().for_each(|group| add("--group", &group.name()));
     options.only.iter().for_each(|name| add("--only", name));
     if options.switches {
         command += " --switches";

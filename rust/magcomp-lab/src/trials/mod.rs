@@ -16,9 +16,10 @@ pub use score::{GroupScore, Score, Summary, Trials};
 pub use tuned::{Folder, Trial, TrialScore};
 
 use crate::error::LabError;
-use crate::{parallel, progress};
+use crate::progress;
 use folder::recordings;
 use groups::Groups;
+use score::with_warnings;
 use std::num::NonZeroUsize;
 use std::path::Path;
 
@@ -31,16 +32,8 @@ use std::path::Path;
 pub fn judge_folder(folder: &Path, index: Option<&Path>, threads: NonZeroUsize) -> Result<Trials, LabError> {
     let paths = recordings(folder)?;
     let groups = Groups::of(folder, index)?;
-    let bar = progress::bar(paths.len(), "evaluate");
-    let scores = parallel::map(&paths, threads, |path| {
-        let score = Score::of(path, &groups);
-        bar.inc(1);
-        score
-    });
-    bar.finish_and_clear();
-    let scores: Vec<(Score, Vec<String>)> = scores.into_iter().collect::<Result<_, _>>()?;
-    let (scores, warnings): (Vec<Score>, Vec<Vec<String>>) = scores.into_iter().unzip();
-    let mut warnings = warnings.concat();
-    warnings.extend(groups.unused(scores.iter().map(|score| score.recording.as_str())));
-    Ok(Trials { groups: GroupScore::of_all(&scores, &groups), recordings: scores, warnings })
+    let scores = progress::map("evaluate", &paths, threads, |path| Score::of(path, &groups));
+    let scores = scores.into_iter().collect::<Result<_, _>>()?;
+    let (recordings, warnings) = with_warnings(scores, &groups);
+    Ok(Trials { groups: GroupScore::of_all(&recordings, &groups), recordings, warnings })
 }

@@ -3,13 +3,13 @@
 use super::figures::Worse;
 use super::folder::{name_of, recordings, system_half};
 use super::groups::{Groups, Told};
-use super::score::{GroupScore, Score, Summary};
+use super::score::{GroupScore, Score, Summary, with_warnings};
 use crate::baseline::{Baseline, Contestant, Known};
 use crate::beside::read_table;
 use crate::error::LabError;
 use crate::experiment::compare_recording::{FIELD_UT, NOISE_UT, push_inertial};
+use crate::progress;
 use crate::replay::VectorsJudge;
-use crate::{parallel, progress};
 use magcomp::nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use magcomp::{Calibration, FitOptions, MagneticSample, Residual, fit_ellipsoid};
 use magcomp_recordings::import::{ImportOptions, open};
@@ -189,18 +189,12 @@ pub fn compare_folder(
 ) -> Result<Comparison, LabError> {
     let paths = recordings(folder)?;
     let groups = Groups::of(folder, index)?;
-    let bar = progress::bar(paths.len(), "compare");
-    let both = parallel::map(&paths, threads, |path| {
-        let both = Score::of(path, &groups).and_then(|score| Ok((score, compared(path, &groups, entries)?)));
-        bar.inc(1);
-        both
+    let both = progress::map("compare", &paths, threads, |path| {
+        Score::of(path, &groups).and_then(|score| Ok((score, compared(path, &groups, entries)?)))
     });
-    bar.finish_and_clear();
     let both = both.into_iter().collect::<Result<Vec<_>, _>>()?;
     let (scores, recordings): (Vec<(Score, Vec<String>)>, Vec<Compared>) = both.into_iter().unzip();
-    let (scores, warnings): (Vec<Score>, Vec<Vec<String>>) = scores.into_iter().unzip();
-    let mut warnings = warnings.concat();
-    warnings.extend(groups.unused(scores.iter().map(|score| score.recording.as_str())));
+    let (scores, warnings) = with_warnings(scores, &groups);
     let ours = GroupScore::of_all(&scores, &groups);
     let methods = RIVALS.iter().map(|rival| rival.name.to_owned());
     let methods = methods.chain(entries.iter().map(|entry| entry.name.clone())).collect();
@@ -394,18 +388,8 @@ mod tests {
             let step = Vector3::new(1.0, -2.0, 30.0) * with;
             let field_ut = attitude.inverse() * Vector3::new(0.0, 20.0, -45.0) + step;
             let ours = Calibration::new(Matrix3::identity(), step - Vector3::z() * (0.5 * with), 50.0).unwrap();
-            let row = Row {
-                time_s,
-                time_ns: (time_s * 1e9) as i64,
-                field_ut,
-                before: Vec::new(),
-                up_m_s2: None,
-                rate_rad_s: None,
-                system_ut: None,
-                attitude: Some(attitude),
-                hard_iron_ut: None,
-                course: None,
-            };
+            let row =
+                Row { time_s, time_ns: (time_s * 1e9) as i64, field_ut, attitude: Some(attitude), ..Row::default() };
             magnet.add(&row, &Ours(ours));
         }
         let MagnetStep { true_ut, found_ut } = magnet.step().unwrap();

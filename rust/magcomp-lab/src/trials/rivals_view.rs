@@ -40,13 +40,9 @@ impl Comparison {
                     colour,
                 }
             };
-            let dots = Dots {
-                title: ours.group.clone(),
-                dot: "a recording".to_owned(),
-                x_label: "heading error, rms up to one constant, deg".to_owned(),
-                rows: self.taking_part(own.iter().copied()).into_iter().map(row).collect(),
-                marks_best: true,
-            };
+            let rows = self.taking_part(own.iter().copied()).into_iter().map(row).collect();
+            let x_label = "heading error, rms up to one constant, deg";
+            let dots = Dots::new(&ours.group, "a recording", x_label, rows, true);
             report.figure(
                 &format!("group{}", k + 1),
                 dots.draw()?,

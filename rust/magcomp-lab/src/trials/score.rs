@@ -123,6 +123,14 @@ pub(super) fn judge_rows<R: Borrow<Row>>(
     Ok(judge.finish())
 }
 
+/// Scores, and the warnings of all of them and of the index.
+pub(super) fn with_warnings(scores: Vec<(Score, Vec<String>)>, groups: &Groups) -> (Vec<Score>, Vec<String>) {
+    let (scores, warnings): (Vec<Score>, Vec<Vec<String>>) = scores.into_iter().unzip();
+    let mut warnings = warnings.concat();
+    warnings.extend(groups.unused(scores.iter().map(|score| score.recording.as_str())));
+    (scores, warnings)
+}
+
 impl GroupScore {
     /// Of all groups that have recordings, in the order of the index.
     pub(super) fn of_all(scores: &[Score], groups: &Groups) -> Vec<Self> {

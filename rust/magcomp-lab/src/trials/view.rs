@@ -20,13 +20,9 @@ impl Trials {
             let values = own.filter_map(|score| score.figures["heading_rms_deg"]).collect();
             DotRow { name: group.group.clone(), values, colour: Colour::Blue }
         };
-        let dots = Dots {
-            title: "published heading".to_owned(),
-            dot: "a recording".to_owned(),
-            x_label: "error, rms up to one constant, deg".to_owned(),
-            rows: self.groups.iter().map(row).collect(),
-            marks_best: false,
-        };
+        let rows = self.groups.iter().map(row).collect();
+        let x_label = "error, rms up to one constant, deg";
+        let dots = Dots::new("published heading", "a recording", x_label, rows, false);
         report.figure("groups", dots.draw()?, "Errors of the published heading by groups");
         self.tables().iter().rev().for_each(|table| report.table(table));
         Ok(())

@@ -4,25 +4,10 @@ use super::layout;
 use std::str::FromStr;
 
 /// The quantities of columns, and their names in a recording.
-const QUANTITIES: [(&str, &str); 17] = [
-    ("t", "t_s"),
-    ("mx", "mx"),
-    ("my", "my"),
-    ("mz", "mz"),
-    ("ax", "ax"),
-    ("ay", "ay"),
-    ("az", "az"),
-    ("gx", "gx"),
-    ("gy", "gy"),
-    ("gz", "gz"),
-    ("sx", "sys_mx"),
-    ("sy", "sys_my"),
-    ("sz", "sys_mz"),
-    ("qw", "qw"),
-    ("qx", "qx"),
-    ("qy", "qy"),
-    ("qz", "qz"),
-];
+const QUANTITIES: [&str; 17] =
+    ["t", "mx", "my", "mz", "ax", "ay", "az", "gx", "gy", "gz", "sx", "sy", "sz", "qw", "qx", "qy", "qz"];
+const IN_A_RECORDING: [&str; 17] =
+    ["t_s", "mx", "my", "mz", "ax", "ay", "az", "gx", "gy", "gz", "sys_mx", "sys_my", "sys_mz", "qw", "qx", "qy", "qz"];
 
 /// Names of a file's columns, in the order of `QUANTITIES`.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +19,7 @@ pub struct ColumnNames {
 
 impl Default for ColumnNames {
     fn default() -> Self {
-        Self { names: QUANTITIES.iter().map(|(_, name)| (*name).to_owned()).collect(), given: Vec::new() }
+        Self { names: IN_A_RECORDING.map(str::to_owned).to_vec(), given: Vec::new() }
     }
 }
 
@@ -45,9 +30,8 @@ impl FromStr for ColumnNames {
         let mut names = Self::default();
         for part in text.split(',') {
             let (what, name) = part.split_once('=').ok_or("expected such as t=time_ns,mx=mag_x,my=mag_y,mz=mag_z")?;
-            let index = QUANTITIES.iter().position(|(known, _)| *known == what.trim());
-            let known = || QUANTITIES.map(|(known, _)| known).join(", ");
-            let index = index.ok_or_else(|| format!("'{what}' is none of {}", known()))?;
+            let index = QUANTITIES.iter().position(|known| *known == what.trim());
+            let index = index.ok_or_else(|| format!("'{what}' is none of {}", QUANTITIES.join(", ")))?;
             names.names[index] = name.trim().to_owned();
             names.given.push(index);
         }

@@ -5,7 +5,7 @@ use super::forms::is_columnar;
 use super::guard::guarded;
 use super::input::{Budget, Input, ZIP};
 use crate::error::RecordingError;
-use crate::recording::{GZIP, files_of};
+use crate::recording::{GZIP, files_of, name_of};
 use flate2::read::MultiGzDecoder;
 use std::fs::File;
 use std::io;
@@ -100,8 +100,17 @@ impl Document {
 
     /// Its name without folder and endings, in small letters: `magnetometer`.
     pub fn stem(&self) -> String {
-        let name = self.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().to_lowercase());
+        let name = name_of(&self.path).to_lowercase();
         name.split('.').next().unwrap_or_default().to_owned()
+    }
+
+    /// Whether some row of the first few hundred kilobytes begins with one of these names and then this mark.
+    pub fn has_row_of(&self, kinds: &[&str], mark: u8) -> bool {
+        let start = &self.text[..self.text.len().min(300_000)];
+        let is_of = |line: &[u8]| {
+            kinds.iter().any(|kind| line.strip_prefix(kind.as_bytes()).is_some_and(|rest| rest.first() == Some(&mark)))
+        };
+        start.split(|byte| *byte == b'\n').any(is_of)
     }
 
     /// Its first line that is no comment and not empty.
@@ -183,7 +192,7 @@ pub(super) fn documents(inputs: &[Input]) -> Result<Documents, RecordingError> {
 /// Why there is no file to read: the first thing in a folder that people may have meant, and what to do with it.
 fn nothing_in(inputs: &[Input]) -> RecordingError {
     let ends = |path: &Path, endings: &[&str]| {
-        let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().to_lowercase());
+        let name = name_of(path).to_lowercase();
         endings.iter().any(|ending| name.ends_with(ending))
     };
     for input in inputs.iter().filter(|input| input.is_dir) {
@@ -239,7 +248,7 @@ fn require_few(path: &Path, files: usize) -> Result<(), RecordingError> {
 }
 
 fn is_text(path: &Path) -> bool {
-    let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().to_lowercase());
+    let name = name_of(path).to_lowercase();
     // "._Gyroscope.csv" is what macOS adds beside a file
     !name.starts_with("._") && TEXT.iter().any(|ending| name.ends_with(ending))
 }

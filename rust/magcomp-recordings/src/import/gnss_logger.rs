@@ -29,11 +29,7 @@ const KINDS: [&str; 6] = ["UncalMag", "Mag", "UncalGyro", "Gyro", "UncalAccel", 
 
 /// Whether some row of the first few hundred kilobytes is of this form.
 pub(super) fn is_log(document: &Document) -> bool {
-    let start = &document.text[..document.text.len().min(300_000)];
-    let kind = |line: &[u8]| {
-        KINDS.iter().any(|kind| line.strip_prefix(kind.as_bytes()).is_some_and(|rest| rest.starts_with(b",")))
-    };
-    start.split(|byte| *byte == b'\n').any(kind)
+    document.has_row_of(&KINDS, b',')
 }
 
 pub(super) fn read(documents: &[Document]) -> Result<Session, RecordingError> {

@@ -139,11 +139,7 @@ pub(super) fn guess(document: &Document, units: &Units, rate_hz: Option<f64>) ->
         };
         let Some(axes) = axis(0).zip(axis(1)).zip(axis(2)).map(|((x, y), z)| [x, y, z]) else { continue };
         let named_factor = axes[0].1.factor.unwrap_or(1.0) * if is_ios && kind == Kind::Up { -1.0 } else { 1.0 };
-        let given = match kind {
-            Kind::Field | Kind::System => units.field,
-            Kind::Up => units.acceleration,
-            Kind::Rate => units.rate,
-        };
+        let given = factor_of(kind, units);
         let time = if is_ios { own_time(start) } else { None };
         let columns = axes.map(|(column, _)| column);
         sensors.push(Taken { kind, columns, factor: given.unwrap_or(named_factor), time });
@@ -152,12 +148,7 @@ pub(super) fn guess(document: &Document, units: &Units, rate_hz: Option<f64>) ->
         let axis = |axis: &str| header.iter().position(|name| unit_of(name).0 == axis);
         let columns = [axis("x")?, axis("y")?, axis("z")?];
         let kind = sensor_of_stem(&document.stem())?;
-        let factor = match kind {
-            Kind::Field | Kind::System => units.field,
-            Kind::Up => units.acceleration,
-            Kind::Rate => units.rate,
-        };
-        sensors.push(Taken { kind, columns, factor: factor.unwrap_or(1.0), time: None });
+        sensors.push(Taken { kind, columns, factor: factor_of(kind, units).unwrap_or(1.0), time: None });
     }
     let time = match (rate_hz, sensors.iter().find_map(|taken| taken.time.clone())) {
         (Some(hz), _) => Time::Rate(hz),
@@ -169,6 +160,15 @@ pub(super) fn guess(document: &Document, units: &Units, rate_hz: Option<f64>) ->
         }
     };
     Some(Layout { time, sensors, attitude: None, course: None })
+}
+
+/// The factor of a sensor's unit that was given.
+pub(super) fn factor_of(kind: Kind, units: &Units) -> Option<f64> {
+    match kind {
+        Kind::Field | Kind::System => units.field,
+        Kind::Up => units.acceleration,
+        Kind::Rate => units.rate,
+    }
 }
 
 /// The column of the time: the one that is named so most plainly.

@@ -12,7 +12,7 @@ use super::summary::Summary;
 use crate::conventions::Conventions;
 use crate::error::RecordingError;
 use crate::place::{Day, GeoPoint};
-use crate::recording::{Events, Line, Source, Text, text, unzipped};
+use crate::recording::{Events, Line, Row, Source, Text, text, unzipped};
 use std::io::Read;
 use std::path::PathBuf;
 
@@ -141,7 +141,8 @@ fn read_lines(text: &mut Text, session: &mut Session, most: usize) -> Result<(),
     session.system.first.get_or_insert([time, system]);
     while session.raw.events.len() < most {
         let Some(line) = text.line()? else { break };
-        let Line { time_ns, field_ut, up_m_s2, rate_rad_s, system_ut, attitude, course, .. } = line;
+        let Line { field_ut, row } = line;
+        let Row { time_ns, up_m_s2, rate_rad_s, system_ut, attitude, course, .. } = row;
         session.raw.events.extend(field_ut.map(|value| (time_ns, value)));
         session.up.events.extend(up_m_s2.map(|value| (time_ns, value)));
         session.rate.events.extend(rate_rad_s.map(|value| (time_ns, value)));

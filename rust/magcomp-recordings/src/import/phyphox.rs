@@ -5,13 +5,11 @@
 
 use super::document::Document;
 use super::fix::course;
+use super::layout::SECOND_NS;
 use super::session::Session;
 use super::sheet::Sheet;
 use crate::error::RecordingError;
 use std::path::Path;
-
-/// Nanoseconds of a second.
-const SECOND_NS: i64 = 1_000_000_000;
 
 /// Parts of the names of files that sensors have in any language.
 const SENSORS: [&str; 3] = ["magn", "gyro", "accel"];

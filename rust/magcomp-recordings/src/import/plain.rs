@@ -4,7 +4,7 @@
 use super::column_names::ColumnNames;
 use super::document::Document;
 use super::layout::{self, Kind, Layout, SECOND_NS, Taken, Time};
-use super::names::{guess, sensor_of_stem};
+use super::names::{factor_of, guess, sensor_of_stem};
 use super::options::ImportOptions;
 use super::session::Session;
 use super::sheet::{Sheet, header_of};
@@ -121,18 +121,15 @@ fn layout_of(
 
 fn by_names(document: &Document, names: &ColumnNames, options: &ImportOptions) -> Result<Layout, RecordingError> {
     let units = options.units.unwrap_or_default();
-    let [field, rate] = [units.field, units.rate].map(|factor| factor.unwrap_or(1.0));
-    let acceleration = units.acceleration.unwrap_or(1.0);
     let sheet = Sheet::new(document);
     let time = match options.rate {
         Some(hz) => Time::Rate(hz),
         None => layout::time(&sheet, &names.names[0], units.time_ns.unwrap_or(SECOND_NS))?,
     };
     let mut sensors = Vec::new();
-    for (kind, first, factor) in
-        [(Kind::Field, 1, field), (Kind::Up, 4, acceleration), (Kind::Rate, 7, rate), (Kind::System, 10, field)]
-    {
+    for (kind, first) in [(Kind::Field, 1), (Kind::Up, 4), (Kind::Rate, 7), (Kind::System, 10)] {
         let columns = group::<3>(&sheet, names, first)?;
+        let factor = factor_of(kind, &units).unwrap_or(1.0);
         sensors.extend(columns.map(|columns| Taken { kind, columns, factor, time: None }));
     }
     if sensors.is_empty() {

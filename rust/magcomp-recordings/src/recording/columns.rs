@@ -2,7 +2,7 @@
 //! expected there.
 
 use super::record::Record;
-use super::rows::Course;
+use super::rows::{Course, Row};
 use crate::error::{Place, RecordingError, shorten};
 use crate::time::{is_time, time_ns};
 use magcomp::nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -10,15 +10,9 @@ use std::path::Path;
 
 /// One line: the values of the sensors that have an event at its time.
 pub(crate) struct Line {
-    pub time_s: f64,
-    pub time_ns: i64,
     pub field_ut: Option<Vector3<f64>>,
-    pub up_m_s2: Option<Vector3<f64>>,
-    pub rate_rad_s: Option<Vector3<f64>>,
-    pub system_ut: Option<Vector3<f64>>,
-    pub attitude: Option<UnitQuaternion<f64>>,
-    pub hard_iron_ut: Option<Vector3<f64>>,
-    pub course: Option<Course>,
+    /// All of it but the field and what came before.
+    pub row: Row,
 }
 
 /// Where each quantity is.
@@ -114,10 +108,10 @@ impl Columns {
             let expected = format!("a time after {before_s} s");
             return Err(wrong(Some(self.time), expected, format!("{time_s} s")));
         }
-        Ok(Line {
+        let field_ut = vector(self.magnetic)?;
+        let row = Row {
             time_s,
             time_ns,
-            field_ut: vector(self.magnetic)?,
             up_m_s2: of(self.accelerometer)?,
             rate_rad_s: of(self.gyroscope)?,
             system_ut: of(self.system)?,
@@ -136,7 +130,9 @@ impl Columns {
                 }
                 _ => None,
             },
-        })
+            ..Row::default()
+        };
+        Ok(Line { field_ut, row })
     }
 }
 

@@ -1,7 +1,7 @@
 //! The events of a recording, sensor by sensor, and their merging in the order of time.
 
 use super::columns::Line;
-use super::rows::Course;
+use super::rows::{Course, Row};
 use crate::time::seconds;
 use magcomp::nalgebra::{UnitQuaternion, Vector3};
 use std::io::{self, Write};
@@ -51,9 +51,9 @@ impl Events {
         write!(out, "{}", if self.attitude.is_empty() { "" } else { ",qw,qx,qy,qz" })?;
         writeln!(out, "{}", if self.course.is_empty() { "" } else { ",course_deg,course_sigma_deg" })?;
         let mut next = [0; 6];
-        while let Some(line) = Merged::line(self, &mut next) {
+        while let Some(Line { field_ut, row: line }) = Merged::line(self, &mut next) {
             write_time(out, line.time_ns)?;
-            vector(out, line.field_ut)?;
+            vector(out, field_ut)?;
             vector(out, line.up_m_s2)?;
             vector(out, line.rate_rad_s)?;
             if !self.system.is_empty() {
@@ -111,17 +111,17 @@ impl Merged {
     fn line(events: &Events, next: &mut [usize; 6]) -> Option<Line> {
         let time_ns = Self::heads(events, next).min()?;
         let [field, up, rate, system, attitude, course] = next;
-        Some(Line {
+        let row = Row {
             time_s: seconds(time_ns),
             time_ns,
-            field_ut: take(&events.field, field, time_ns),
             up_m_s2: take(&events.up, up, time_ns),
             rate_rad_s: take(&events.rate, rate, time_ns),
             system_ut: take(&events.system, system, time_ns),
             attitude: take(&events.attitude, attitude, time_ns),
-            hard_iron_ut: None,
             course: take(&events.course, course, time_ns),
-        })
+            ..Row::default()
+        };
+        Some(Line { field_ut: take(&events.field, field, time_ns), row })
     }
 }
 

@@ -3,7 +3,7 @@
 use super::columns::{Columns, Line};
 use super::events::Merged;
 use super::record::{Delimiter, Record};
-use super::rows::{Inertial, Row};
+use super::rows::Row;
 use crate::error::{Place, RecordingError};
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -78,7 +78,7 @@ impl Text {
             return Ok(None);
         }
         let line = self.columns.line(&self.path, &self.lines.record, self.before)?;
-        self.before = Some((line.time_s, line.time_ns));
+        self.before = Some((line.row.time_s, line.row.time_ns));
         Ok(Some(line))
     }
 }
@@ -115,28 +115,15 @@ impl Rows {
     /// The next magnetometer sample, with the events of the lines before it that have none.
     fn read(&mut self) -> Result<Option<Row>, RecordingError> {
         let (mut before, mut system_ut) = (Vec::new(), None);
-        while let Some(line) = self.line()? {
-            system_ut = line.system_ut.or(system_ut);
-            let Some(field_ut) = line.field_ut else {
-                if line.rate_rad_s.is_some() || line.up_m_s2.is_some() || line.course.is_some() {
-                    self.refuse_waiting(before.len())?;
-                    let Line { time_ns, rate_rad_s, up_m_s2, course, .. } = line;
-                    before.push(Inertial { time_ns, rate_rad_s, up_m_s2, course });
-                }
-                continue;
-            };
-            return Ok(Some(Row {
-                time_s: line.time_s,
-                time_ns: line.time_ns,
-                field_ut,
-                before,
-                up_m_s2: line.up_m_s2,
-                rate_rad_s: line.rate_rad_s,
-                system_ut,
-                attitude: line.attitude,
-                hard_iron_ut: line.hard_iron_ut,
-                course: line.course,
-            }));
+        while let Some(Line { field_ut, row }) = self.line()? {
+            system_ut = row.system_ut.or(system_ut);
+            if let Some(field_ut) = field_ut {
+                return Ok(Some(Row { field_ut, before, system_ut, ..row }));
+            }
+            if row.rate_rad_s.is_some() || row.up_m_s2.is_some() || row.course.is_some() {
+                self.refuse_waiting(before.len())?;
+                before.extend(row.inertial());
+            }
         }
         Ok(None)
     }

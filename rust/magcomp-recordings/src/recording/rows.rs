@@ -26,7 +26,7 @@ pub struct Course {
 }
 
 /// A magnetometer sample, and the events of the other sensors since the sample before it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Row {
     /// Time as written, s.
     pub time_s: f64,
