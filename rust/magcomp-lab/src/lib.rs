@@ -13,7 +13,7 @@ pub mod catalogue;
 #[cfg(not(target_family = "wasm"))]
 pub mod command;
 pub mod course;
-mod crb;
+pub mod crb;
 pub mod error;
 #[cfg(not(target_family = "wasm"))]
 pub mod experiment;
@@ -22,7 +22,7 @@ mod magnetometer;
 pub mod motion;
 pub mod parallel;
 pub mod parameters;
-mod plot;
+pub mod plot;
 #[cfg(not(target_family = "wasm"))]
 mod progress;
 pub mod random;
@@ -33,8 +33,8 @@ pub mod score;
 #[cfg(not(target_family = "wasm"))]
 mod sensitivity;
 pub mod simulate;
-mod statistics;
+pub mod statistics;
 mod surroundings;
-mod table;
+pub mod table;
 #[cfg(not(target_family = "wasm"))]
 pub mod trials;

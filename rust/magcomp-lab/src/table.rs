@@ -13,6 +13,7 @@ pub struct Table {
     pub title: String,
     /// Paragraphs between title and columns: what the numbers come to. They are wrapped where they are shown.
     pub lead: Vec<String>,
+    /// Names of the columns.
     pub columns: Vec<String>,
     /// Rows, each with one cell for every column.
     pub rows: Vec<Vec<String>>,
@@ -23,6 +24,7 @@ pub struct Table {
 }
 
 impl Table {
+    /// An empty table.
     pub fn new(title: &str, columns: &[&str]) -> Self {
         Self {
             title: title.to_owned(),
@@ -31,6 +33,7 @@ impl Table {
         }
     }
 
+    /// One more row.
     pub fn row(&mut self, cells: Vec<String>) {
         self.rows.push(cells);
     }
@@ -100,6 +103,7 @@ impl Table {
         out
     }
 
+    /// One more paragraph below.
     pub fn note(&mut self, text: &str) {
         self.notes.push(text.to_owned());
     }

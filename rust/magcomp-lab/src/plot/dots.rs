@@ -23,12 +23,14 @@ pub struct DotRow {
     pub name: String,
     /// What each recording came to; those that are no positive number are left out.
     pub values: Vec<f64>,
+    /// Of the dots.
     pub colour: Colour,
 }
 
 /// Rows of dots on one scale.
 #[derive(Clone, Debug)]
 pub struct Dots {
+    /// Above it.
     pub title: String,
     /// What a dot is, for the legend.
     pub dot: String,
@@ -46,6 +48,7 @@ impl Dots {
         Self { title: title.to_owned(), dot: dot.to_owned(), x_label: x_label.to_owned(), rows, marks_best }
     }
 
+    /// Draws them.
     pub fn draw(&self) -> Result<String, LabError> {
         let mut svg = String::new();
         {

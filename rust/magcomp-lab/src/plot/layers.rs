@@ -21,6 +21,7 @@ pub struct Span {
     pub from: f64,
     /// Where it ends, x.
     pub to: f64,
+    /// Its colour.
     pub colour: Colour,
 }
 
@@ -30,9 +31,11 @@ pub type Band = Vec<(f64, f64, f64)>;
 /// Behind the lines.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layers {
+    /// Bands and their colours.
     pub bands: Vec<(Colour, Band)>,
     /// Names of lanes, from the bottom; y then counts lanes.
     pub lanes: Vec<&'static str>,
+    /// The spans in the lanes.
     pub spans: Vec<Span>,
     /// Moments and their names, which may be empty: vertical lines.
     pub marks: Vec<(f64, String)>,

@@ -21,7 +21,9 @@ use plotters::prelude::*;
 pub struct Series {
     /// Its name in the legend; none when empty.
     pub name: String,
+    /// Its colour.
     pub colour: Colour,
+    /// Broken into dashes.
     pub dashed: bool,
     /// Drawn one pixel wide, as a line of many points is.
     pub fine: bool,
@@ -40,6 +42,7 @@ impl Series {
 /// One set of axes.
 #[derive(Clone, Debug, Default)]
 pub struct Panel {
+    /// Above it.
     pub title: String,
     /// Below the x axis, with the unit.
     pub x_label: String,
@@ -51,6 +54,7 @@ pub struct Panel {
     pub y_range: Option<(f64, f64)>,
     /// Lines, later ones on top.
     pub series: Vec<Series>,
+    /// The layers behind the lines.
     pub layers: Layers,
 }
 

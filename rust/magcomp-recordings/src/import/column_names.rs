@@ -1,6 +1,6 @@
 //! Names of a table's columns, as options give them.
 
-use super::layout;
+use super::sheet::numbered;
 use std::str::FromStr;
 
 /// The quantities of columns, and their names in a recording.
@@ -42,6 +42,6 @@ impl FromStr for ColumnNames {
 impl ColumnNames {
     /// Whether all of the columns that were given are numbers.
     pub(super) fn are_numbers(&self) -> bool {
-        !self.given.is_empty() && layout::are_numbers(self.given.iter().map(|index| self.names[*index].as_str()))
+        !self.given.is_empty() && self.given.iter().all(|index| numbered(&self.names[*index]).is_some())
     }
 }

@@ -75,14 +75,14 @@ impl Document {
         self.lines_before += skipped;
     }
 
-    /// Without the lines before the first one of its beginning that `is_header`; how many there were.
-    pub fn begin_at(&mut self, is_header: impl Fn(&[u8]) -> bool) -> Option<u64> {
+    /// Without the lines before the first one of its beginning that `is_header`.
+    pub fn begin_at(&mut self, is_header: impl Fn(&[u8]) -> bool) {
         let title = |line: &[u8]| line.len() <= LONGEST_TITLE;
-        let found = self.lines().take(MOST_TITLES).take_while(|(_, line)| title(line));
-        let line = found.into_iter().find(|(_, line)| is_header(line))?.0;
-        let before = line - 1 - self.lines_before;
-        self.skip_lines(before);
-        Some(before)
+        let found =
+            self.lines().take(MOST_TITLES).take_while(|(_, line)| title(line)).find(|(_, line)| is_header(line));
+        if let Some(line) = found.map(|(line, _)| line) {
+            self.skip_lines(line - 1 - self.lines_before);
+        }
     }
 
     /// What ends its lines: a line feed, or the carriage return of old computers.

@@ -1,35 +1,14 @@
 //! Where a table's sensors are, and how they are read.
 
 use super::document::Document;
-use super::session::Session;
-use super::sheet::{Cells, Sheet, numbered};
+use super::session::{Kind, Session};
+use super::sheet::{Cells, Sheet};
 use crate::error::{Place, RecordingError};
 use crate::recording::Course;
 use crate::time::MOST_NS;
 use magcomp::nalgebra::{Quaternion, UnitQuaternion};
 
 pub(super) const SECOND_NS: i64 = 1_000_000_000;
-
-/// The sensors of a table, in the order of their columns.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
-    Field,
-    Up,
-    Rate,
-    System,
-}
-
-impl Kind {
-    /// In words.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Field => "field",
-            Self::Up => "acceleration",
-            Self::Rate => "rotation rate",
-            Self::System => "the system's field",
-        }
-    }
-}
 
 /// When a row was.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,12 +83,7 @@ pub(super) fn read(document: &Document, layout: &Layout, session: &mut Session) 
                 (None, Ok(time_ns)) => *time_ns,
                 (None, Err(_)) => layout.time.read(cells, row)?,
             };
-            let stream = match kind {
-                Kind::Field => &mut session.raw,
-                Kind::Up => &mut session.up,
-                Kind::Rate => &mut session.rate,
-                Kind::System => &mut session.system,
-            };
+            let stream = session.stream(*kind);
             stream.add(time_ns, value * *factor, || [cells.place(time), cells.place(columns[0])])?;
         }
         if let Some([w, x, y, z]) = layout.attitude.filter(|[w, ..]| !cells.is_nothing(*w)) {
@@ -186,11 +160,6 @@ pub(super) fn told(document: &Document, layout: &Layout) -> String {
     let sensors = layout.sensors.iter().map(|taken| format!("{} '{}'", taken.kind.word(), name(taken.columns[0])));
     let told: Vec<String> = std::iter::once(time).chain(sensors).collect();
     format!("{}: taken by its names: {}", document.path.display(), told.join(", "))
-}
-
-/// Whether all these names are numbers of columns.
-pub(super) fn are_numbers<'a>(mut names: impl Iterator<Item = &'a str>) -> bool {
-    names.all(|name| numbered(name).is_some())
 }
 
 #[cfg(test)]

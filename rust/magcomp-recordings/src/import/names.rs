@@ -1,7 +1,8 @@
 //! What a header in words and a file's name say: sensors, axes, units, and the time.
 
 use super::document::Document;
-use super::layout::{Kind, Layout, SECOND_NS, Taken, Time};
+use super::layout::{Layout, SECOND_NS, Taken, Time};
+use super::session::Kind;
 use super::sheet::Sheet;
 use super::units::{GRAVITY_M_S2, Units};
 

@@ -126,9 +126,8 @@ fn load_recording(input: &Input) -> Result<Loaded, RecordingError> {
 /// A session as a recording.
 fn open_session(found: &[Input], options: &ImportOptions) -> Result<Opened, RecordingError> {
     let (events, summary) = import_found(found, options)?;
-    let (warnings, day, position) = (summary.warnings.clone(), summary.day, summary.position);
-    let conventions = summary.conventions.clone();
     let source = Source::of_events(&found[0].path, events)?;
+    let Summary { warnings, conventions, day, position, .. } = summary.clone();
     Ok(Opened { source, session: Some(summary), warnings, conventions, day, position })
 }
 

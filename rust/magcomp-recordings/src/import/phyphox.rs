@@ -6,7 +6,7 @@
 use super::document::Document;
 use super::fix::course;
 use super::layout::SECOND_NS;
-use super::session::Session;
+use super::session::{Kind, Session};
 use super::sheet::Sheet;
 use crate::error::RecordingError;
 use std::path::Path;
@@ -14,23 +14,16 @@ use std::path::Path;
 /// Parts of the names of files that sensors have in any language.
 const SENSORS: [&str; 3] = ["magn", "gyro", "accel"];
 
-#[derive(Clone, Copy, PartialEq)]
-enum Sensor {
-    Field,
-    Rate,
-    Acceleration,
-}
-
 /// The sensor and axis that a column's name says: `Gyroscope y (rad/s)`.
-fn column(name: &str) -> Option<(Sensor, usize)> {
+fn column(name: &str) -> Option<(Kind, usize)> {
     let (what, unit) = name.strip_suffix(')')?.rsplit_once('(')?;
     let axis =
         ["x", "y", "z"].iter().position(|axis| what.to_lowercase().split_whitespace().next_back() == Some(axis))?;
     // the micro sign has two code points, and one more in files of other encodings
     let sensor = match unit {
-        "rad/s" => Sensor::Rate,
-        "m/s^2" | "m/s²" => Sensor::Acceleration,
-        _ if unit.ends_with('T') && unit.chars().count() == 2 => Sensor::Field,
+        "rad/s" => Kind::Rate,
+        "m/s^2" | "m/s²" => Kind::Up,
+        _ if unit.ends_with('T') && unit.chars().count() == 2 => Kind::Field,
         _ => return None,
     };
     Some((sensor, axis))
@@ -106,30 +99,26 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, RecordingError> {
             }
             continue;
         }
-        for sensor in [Sensor::Field, Sensor::Rate, Sensor::Acceleration] {
+        for sensor in [Kind::Field, Kind::Rate, Kind::Up] {
             let axis = |wanted: usize| {
                 let has = |name: &String| column(name) == Some((sensor, wanted)) && !is_linear(name);
                 sheet.header.iter().position(has)
             };
             let Some(axes) = axis(0).zip(axis(1)).zip(axis(2)).map(|((x, y), z)| [x, y, z]) else {
-                linear |= sensor == Sensor::Acceleration && sheet.header.iter().any(|name| is_linear(name));
+                linear |= sensor == Kind::Up && sheet.header.iter().any(|name| is_linear(name));
                 continue;
             };
-            if sensor == Sensor::Acceleration && is_linear(&document.stem()) {
+            if sensor == Kind::Up && is_linear(&document.stem()) {
                 linear = true;
                 continue;
             }
-            let stream = match sensor {
-                Sensor::Field => &mut session.raw,
-                Sensor::Rate => &mut session.rate,
-                Sensor::Acceleration => &mut session.up,
-            };
+            let stream = session.stream(sensor);
             if !stream.events.is_empty() {
                 let before = stream.first.as_ref().map_or(Path::new("another file"), |[place, _]| &place.path);
                 return Err(RecordingError::several(before, &document.path));
             }
             match sheet.stream(0, axes, |cells| cells.time_ns(0, SECOND_NS)) {
-                Err(why) if sensor != Sensor::Field => session.leave_out(&document.stem(), why),
+                Err(why) if sensor != Kind::Field => session.leave_out(&document.stem(), why),
                 found => *stream = found?,
             }
         }

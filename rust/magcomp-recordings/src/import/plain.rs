@@ -3,10 +3,10 @@
 
 use super::column_names::ColumnNames;
 use super::document::Document;
-use super::layout::{self, Kind, Layout, SECOND_NS, Taken, Time};
+use super::layout::{self, Layout, SECOND_NS, Taken, Time};
 use super::names::{factor_of, guess, sensor_of_stem};
 use super::options::ImportOptions;
-use super::session::Session;
+use super::session::{Kind, Session};
 use super::sheet::{Sheet, header_of};
 use crate::error::{Place, RecordingError};
 

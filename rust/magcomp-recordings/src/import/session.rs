@@ -18,6 +18,27 @@ use std::path::PathBuf;
 /// Sessions that a message tells, at most.
 const MOST_TOLD: usize = 5;
 
+/// The sensors of a session, in the order of a table's columns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Field,
+    Up,
+    Rate,
+    System,
+}
+
+impl Kind {
+    /// In words.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Field => "field",
+            Self::Up => "acceleration",
+            Self::Rate => "rotation rate",
+            Self::System => "the system's field",
+        }
+    }
+}
+
 /// All sensors of a session, in the device's axes, uT, rad/s, m/s^2 with Android's sign.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Session {
@@ -52,6 +73,16 @@ pub struct Sensor {
 }
 
 impl Session {
+    /// The events of a sensor.
+    pub fn stream(&mut self, kind: Kind) -> &mut Stream<Vector3<f64>> {
+        match kind {
+            Kind::Field => &mut self.raw,
+            Kind::Up => &mut self.up,
+            Kind::Rate => &mut self.rate,
+            Kind::System => &mut self.system,
+        }
+    }
+
     /// The events of the first of these files that has some, and which file that is. Files that cannot be read are left out
     /// with a warning: the sensor is one that a session can do without.
     pub fn optional(
