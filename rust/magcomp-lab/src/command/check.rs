@@ -1,7 +1,7 @@
 //! `magcomp check`.
 
 use super::common::{Common, input, warn};
-use super::import_options::ImportArguments;
+use super::import::ImportArguments;
 use crate::error::LabError;
 use crate::report::Report;
 use crate::table::{Table, number};

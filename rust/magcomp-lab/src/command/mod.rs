@@ -7,7 +7,6 @@ mod crb;
 mod demo;
 mod evaluate;
 mod import;
-mod import_options;
 mod replay;
 mod sensitivity;
 mod simulate;

@@ -1,7 +1,7 @@
 //! `magcomp replay`.
 
 use super::common::{Common, MethodChoice, between, input, output, refuse_outputs, warn, warn_of};
-use super::import_options::ImportArguments;
+use super::import::ImportArguments;
 use crate::atomic::AtomicFile;
 use crate::error::LabError;
 use crate::experiment::step::{NormalisationChoice, ResidualChoice};

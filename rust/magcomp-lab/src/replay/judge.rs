@@ -17,9 +17,8 @@
 use super::absolute::Absolute;
 use super::changes::{Changes, Declared};
 use super::circle::{Circle, off_deg};
-use super::directions::Directions;
+use super::directions::{Directions, Kinds};
 use super::judgement::{Disturbance, Judgement};
-use super::kinds::Kinds;
 use super::level::Level;
 use super::player::Step;
 use super::turns::Turns;

@@ -3,7 +3,7 @@
 use super::absolute::AbsoluteHeading;
 use super::changes::{Declared, DeviceChange, PlaceDiffered};
 use super::circle::HeadingError;
-use super::kinds::Kinds;
+use super::directions::Kinds;
 use super::legs::LegJudgement;
 use super::told::{BearingTold, MarkTold};
 use super::turns::TurnJudgement;

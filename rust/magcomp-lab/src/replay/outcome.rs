@@ -10,9 +10,10 @@ use super::verdict::Verdict;
 use super::view::table;
 use crate::error::LabError;
 use crate::report::Report;
-use crate::table::Table;
+use crate::table::{Table, number};
 use magcomp::{Explanation, ReferenceAxis, Status};
 use magcomp_recordings::conventions::Conventions;
+use magcomp_recordings::import::Summary;
 use magcomp_recordings::place::EarthField;
 use magcomp_recordings::recording::{Extent, Row};
 use std::ops::Range;
@@ -108,4 +109,16 @@ impl Outcome {
         self.tables[1..].iter().for_each(|table| report.table(table));
         Ok(report)
     }
+}
+
+/// The content of a session as a table.
+pub fn session_table(summary: &Summary) -> Table {
+    let mut table =
+        Table::new(&format!("{} session", summary.logger), &["sensor", "events", "rate Hz", "longest pause s"]);
+    for sensor in &summary.sensors {
+        let (rate, pause) = (number(sensor.rate_hz, 1), number(sensor.longest_pause_s, 3));
+        table.row(vec![sensor.sensor.to_owned(), sensor.events.to_string(), rate, pause]);
+    }
+    summary.notes.iter().for_each(|note| table.note(note));
+    table
 }

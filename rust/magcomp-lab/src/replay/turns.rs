@@ -6,7 +6,7 @@
 //! own drift, which is taken out evenly.
 
 use super::circle::off_deg;
-use super::kinds::Kinds;
+use super::directions::Kinds;
 use magcomp::nalgebra::{UnitQuaternion, Vector3};
 use serde::Serialize;
 use std::collections::VecDeque;

@@ -1,7 +1,7 @@
 //! A replay as a table.
 
+use super::directions::Kinds;
 use super::judgement::Judgement;
-use super::kinds::Kinds;
 use super::sentences::{counted, sentences, signed};
 use crate::statistics::MeanSpread;
 use crate::table::{Table, number};

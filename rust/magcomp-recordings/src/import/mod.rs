@@ -6,7 +6,6 @@
 
 #[cfg(feature = "formats")]
 mod arrow_lengths;
-mod column_names;
 #[cfg_attr(not(feature = "formats"), path = "columnar_missing.rs")]
 mod columnar;
 mod dates;
@@ -37,13 +36,10 @@ mod sensor_logger;
 mod session;
 mod sheet;
 mod stream;
-mod summary;
 mod units;
 
-pub use column_names::ColumnNames;
 pub use make::import;
 pub use open::{Loaded, Opened, load, open, open_bytes};
-pub use options::ImportOptions;
-pub use session::Sensor;
-pub use summary::Summary;
+pub use options::{ColumnNames, ImportOptions};
+pub use session::{Sensor, Summary};
 pub use units::{Frame, Frames, Shifts, Units};

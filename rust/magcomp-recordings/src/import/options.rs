@@ -1,7 +1,8 @@
 //! How files that are no logger's own are read.
 
-use super::column_names::ColumnNames;
+use super::sheet::numbered;
 use super::units::{Frames, Shifts, Units};
+use std::str::FromStr;
 
 /// How plain CSV, Parquet and Arrow are read; the loggers' own files need none of it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,4 +25,47 @@ pub struct ImportOptions {
     pub force: bool,
     /// Topics of ROS to take, where several have the same sensor.
     pub topics: Vec<String>,
+}
+
+/// The quantities of columns, and their names in a recording.
+const QUANTITIES: [&str; 17] =
+    ["t", "mx", "my", "mz", "ax", "ay", "az", "gx", "gy", "gz", "sx", "sy", "sz", "qw", "qx", "qy", "qz"];
+const IN_A_RECORDING: [&str; 17] =
+    ["t_s", "mx", "my", "mz", "ax", "ay", "az", "gx", "gy", "gz", "sys_mx", "sys_my", "sys_mz", "qw", "qx", "qy", "qz"];
+
+/// Names of a file's columns, in the order of `QUANTITIES`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColumnNames {
+    pub(super) names: Vec<String>,
+    /// Those that were given.
+    given: Vec<usize>,
+}
+
+impl Default for ColumnNames {
+    fn default() -> Self {
+        Self { names: IN_A_RECORDING.map(str::to_owned).to_vec(), given: Vec::new() }
+    }
+}
+
+impl FromStr for ColumnNames {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut names = Self::default();
+        for part in text.split(',') {
+            let (what, name) = part.split_once('=').ok_or("expected such as t=time_ns,mx=mag_x,my=mag_y,mz=mag_z")?;
+            let index = QUANTITIES.iter().position(|known| *known == what.trim());
+            let index = index.ok_or_else(|| format!("'{what}' is none of {}", QUANTITIES.join(", ")))?;
+            names.names[index] = name.trim().to_owned();
+            names.given.push(index);
+        }
+        Ok(names)
+    }
+}
+
+impl ColumnNames {
+    /// Whether all of the columns that were given are numbers.
+    pub(super) fn are_numbers(&self) -> bool {
+        !self.given.is_empty() && self.given.iter().all(|index| numbered(&self.names[*index]).is_some())
+    }
 }

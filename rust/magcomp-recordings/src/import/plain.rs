@@ -1,11 +1,10 @@
 //! Any table: columns named by options, or by words in the header. Each file holds the sensors whose columns it has, so several files make
 //! one session, but no two of them the same sensor.
 
-use super::column_names::ColumnNames;
 use super::document::Document;
 use super::layout::{self, Layout, SECOND_NS, Taken, Time};
 use super::names::{factor_of, guess, sensor_of_stem};
-use super::options::ImportOptions;
+use super::options::{ColumnNames, ImportOptions};
 use super::session::{Kind, Session};
 use super::sheet::{Sheet, header_of};
 use crate::error::{Place, RecordingError};

@@ -6,7 +6,7 @@ use super::stream::Stream;
 use super::units::{Frames, Shifts};
 use crate::conventions::{self, Conventions, Streams};
 use crate::error::RecordingError;
-use crate::place::GeoPoint;
+use crate::place::{Day, GeoPoint};
 use crate::recording::{Course, Events};
 use crate::time::MOST_NS;
 use magcomp::nalgebra::{UnitQuaternion, Vector3};
@@ -70,6 +70,27 @@ pub struct Sensor {
     pub rate_hz: Option<f64>,
     /// Its longest pause, s.
     pub longest_pause_s: Option<f64>,
+}
+
+/// The content of a session.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// The logger, or plain CSV.
+    pub logger: &'static str,
+    /// Its sensors.
+    pub sensors: Vec<Sensor>,
+    /// Notes for the user.
+    pub notes: Vec<String>,
+    /// Parts that were left out, or may be wrong.
+    pub warnings: Vec<String>,
+    /// Whether units, signs, axes and clocks are what they are taken for.
+    pub conventions: Conventions,
+    /// The day of the first event (UTC), where the session says so.
+    #[serde(skip)]
+    pub day: Option<Day>,
+    /// Where it was recorded, where the session says so.
+    #[serde(skip)]
+    pub position: Option<GeoPoint>,
 }
 
 impl Session {
