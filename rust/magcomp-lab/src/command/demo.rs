@@ -82,14 +82,9 @@ impl Demo {
         say("1 of 3, recordings of a real sensor");
         let [(magnet, magnet_steps, story), (quiet, quiet_steps, quiet_story)] = [played(&MAGNET)?, played(&QUIET)?];
         say("2 of 3, simulated phones");
-        let follow = |motion| match FollowOptions::of(motion) {
-            Some(options) => {
-                follow::run(&FollowOptions { seed: self.common.seed, runs: AIDED_RUNS, ..options }).map(Some)
-            }
-            None => Ok(None),
-        };
-        let [tumble, walk] = [follow(Motion::Tumble)?, follow(Motion::Walk)?];
-        let aided: Vec<FollowResult> = [tumble, walk].into_iter().flatten().collect();
+        let options = [Motion::Tumble, Motion::Walk].into_iter().filter_map(FollowOptions::of);
+        let follow = |own| follow::run(&FollowOptions { seed: self.common.seed, runs: AIDED_RUNS, ..own });
+        let aided = options.map(follow).collect::<Result<Vec<FollowResult>, _>>()?;
         say("3 of 3, the paper's experiment");
         let step =
             run_step(&StepOptions { runs: self.runs as usize, seed: self.common.seed, ..StepOptions::default() })?;

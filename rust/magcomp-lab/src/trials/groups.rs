@@ -26,39 +26,34 @@ struct Line {
     calibration: Option<String>,
 }
 
-/// What an index says of a recording.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Told<'a> {
-    pub group: &'a str,
+/// What an index says of the recordings that fit a pattern.
+#[derive(Default)]
+pub(super) struct Rule {
+    pattern: Pattern,
+    pub group: String,
     /// How far magnetic north is east of the reference's, degrees; 0 where none is told.
     pub declination_deg: f64,
     /// From when to when a magnet sat on the sensor, s.
     pub magnet_s: Option<(f64, f64)>,
     /// The recording of the same device and day whose field is constant: what a calibration is made of beforehand.
-    pub calibration: Option<&'a str>,
-}
-
-/// A line of an index.
-struct Rule {
-    pattern: Pattern,
-    group: String,
-    declination_deg: f64,
-    magnet_s: Option<(f64, f64)>,
-    calibration: Option<String>,
+    pub calibration: Option<String>,
 }
 
 /// The lines of an index, in order.
 pub(super) struct Groups {
     path: Option<PathBuf>,
     rules: Vec<Rule>,
+    /// Of recordings that none of them fits.
+    rest: Rule,
 }
 
 impl Groups {
     /// The index named, else the one of the folder, else none.
     pub fn of(folder: &Path, index: Option<&Path>) -> Result<Self, LabError> {
+        let rest = |group: &str| Rule { group: group.to_owned(), ..Rule::default() };
         let own = folder.join(INDEX);
         let Some(path) = index.map(Path::to_owned).or_else(|| own.is_file().then_some(own)) else {
-            return Ok(Self { path: None, rules: Vec::new() });
+            return Ok(Self { path: None, rules: Vec::new(), rest: rest(ALL) });
         };
         let lines: Vec<Line> =
             read_table(&path, "an index with the columns recording,group[,declination_deg][,magnet_s][,calibration]")?;
@@ -86,20 +81,12 @@ impl Groups {
             Ok(Rule { pattern, group: line.group.trim().to_owned(), declination_deg, magnet_s, calibration })
         };
         let rules = lines.into_iter().enumerate().map(rule).collect::<Result<_, RecordingError>>()?;
-        Ok(Self { path: Some(path), rules })
+        Ok(Self { path: Some(path), rules, rest: rest(OTHERS) })
     }
 
     /// What is told of a recording.
-    pub fn find(&self, recording: &str) -> Told<'_> {
-        let rest = if self.path.is_some() { OTHERS } else { ALL };
-        let found = self.rules.iter().find(|rule| rule.pattern.matches(recording));
-        let nothing = Told { group: rest, declination_deg: 0.0, magnet_s: None, calibration: None };
-        found.map_or(nothing, |rule| Told {
-            group: &rule.group,
-            declination_deg: rule.declination_deg,
-            magnet_s: rule.magnet_s,
-            calibration: rule.calibration.as_deref(),
-        })
+    pub fn find(&self, recording: &str) -> &Rule {
+        self.rules.iter().find(|rule| rule.pattern.matches(recording)).unwrap_or(&self.rest)
     }
 
     /// The names of all groups, in the order of the index.

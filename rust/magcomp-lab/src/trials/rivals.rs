@@ -2,7 +2,7 @@
 
 use super::figures::Worse;
 use super::folder::{name_of, recordings, system_half};
-use super::groups::{Groups, Told};
+use super::groups::{Groups, Rule};
 use super::score::{GroupScore, Score, Summary, with_warnings};
 use crate::baseline::{Baseline, Contestant, Known};
 use crate::beside::read_table;
@@ -212,8 +212,8 @@ struct SystemLine {
 /// One recording through all methods.
 fn compared(path: &Path, groups: &Groups, entries: &[Entry]) -> Result<Compared, LabError> {
     let recording = name_of(path);
-    let Told { group, declination_deg, magnet_s, calibration } = groups.find(&recording);
-    let initial = calibration.map(|name| first_step(path, name)).transpose()?;
+    let Rule { group, declination_deg, magnet_s, calibration, .. } = groups.find(&recording);
+    let initial = calibration.as_ref().map(|name| first_step(path, name)).transpose()?;
     let mut opened = open(&[path.to_owned()], &ImportOptions::default())?;
     let extent = *opened.source.extent();
     let half = system_half(path);
@@ -260,7 +260,7 @@ fn compared(path: &Path, groups: &Groups, entries: &[Entry]) -> Result<Compared,
         }
     }
     let heading = |judge: &VectorsJudge| {
-        let vectors = judge.vectors(declination_deg);
+        let vectors = judge.vectors(*declination_deg);
         let error = vectors.heading?;
         Some(Heading { answered: vectors.answered, rms_deg: error.rms_deg, absolute_deg: error.absolute_rms_deg })
     };

@@ -2,7 +2,7 @@
 
 use super::figures::{FIGURES, Worse, device_steps};
 use super::folder::name_of;
-use super::groups::{Groups, Told};
+use super::groups::{Groups, Rule};
 use crate::error::LabError;
 use crate::replay::{Ignore, Judge, Judgement, Player, usual_part};
 use magcomp::{Config, HeadingConfig, ReferenceAxis};
@@ -79,14 +79,14 @@ impl Score {
     /// Plays a recording and judges it. Warnings about it come beside.
     pub(super) fn of(path: &Path, groups: &Groups) -> Result<(Self, Vec<String>), LabError> {
         let recording = name_of(path);
-        let Told { group, declination_deg, .. } = groups.find(&recording);
+        let Rule { group, declination_deg, .. } = groups.find(&recording);
         let opened = open(&[path.to_owned()], &ImportOptions::default())?;
         let warnings = opened.warnings.clone();
-        let found = judged(opened, declination_deg)?;
+        let found = judged(opened, *declination_deg)?;
         let score = Self {
             group: group.to_owned(),
             recording,
-            declination_deg,
+            declination_deg: *declination_deg,
             hours: found.duration_s / 3600.0,
             rows: found.absolute_heading.rows,
             device_steps: device_steps(&found),

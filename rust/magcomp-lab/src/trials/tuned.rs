@@ -2,7 +2,7 @@
 
 use super::figures::{absolute, published};
 use super::folder::{name_of, recordings};
-use super::groups::{Groups, INDEX, Told};
+use super::groups::{Groups, INDEX, Rule};
 use super::score::{config, judge_rows};
 use crate::error::LabError;
 use crate::replay::{Ignore, Judgement, Player};
@@ -59,10 +59,10 @@ impl Folder {
     /// Reads one of them.
     pub fn read(&self, path: &Path) -> Result<Trial, LabError> {
         let name = name_of(path);
-        let Told { group, declination_deg, magnet_s, .. } = self.groups.find(&name);
+        let Rule { group, declination_deg, magnet_s, .. } = self.groups.find(&name);
         let mut source = open(&[path.to_owned()], &ImportOptions::default())?.source;
         let rows = source.rows()?.collect::<Result<_, _>>()?;
-        Ok(Trial { group: group.to_owned(), declination_deg, magnet_s, name, rows })
+        Ok(Trial { group: group.to_owned(), declination_deg: *declination_deg, magnet_s: *magnet_s, name, rows })
     }
 }
 

@@ -17,7 +17,6 @@ const LEAST_STEP_UT: f64 = 3.0;
 /// The device turns, rad/s.
 const TURNING_RAD_S: f64 = 0.3;
 
-/// The checks of samples.
 pub(super) fn check(field: &Series, up: &Series, rate: &Series, add: &mut Add<'_>) {
     check_dead("magnetometer", "mx,my,mz", 5.0, field, add);
     check_dead("accelerometer", "ax,ay,az", 2.0, up, add);

@@ -33,7 +33,6 @@ pub(super) struct Document {
     pub path: PathBuf,
     /// Its content, without a byte order mark and the lines before its table.
     pub text: Vec<u8>,
-    /// How many lines were before.
     pub lines_before: u64,
 }
 
@@ -58,12 +57,10 @@ impl Document {
         Ok(Self::of_text(path, text))
     }
 
-    /// One whose text is known.
     pub fn of_text(path: PathBuf, text: Vec<u8>) -> Self {
         Self { path, text, lines_before: 0 }
     }
 
-    /// Without its first lines.
     pub fn skip_lines(&mut self, lines: u64) {
         let mark = self.line_end();
         let (mut at, mut skipped) = (0, 0);

@@ -7,13 +7,9 @@ use std::fs::File;
 use std::io::Read;
 use std::path::PathBuf;
 
-/// A Parquet file.
 pub(super) const PARQUET: &[u8] = b"PAR1";
-/// An Arrow file.
 pub(super) const ARROW_FILE: &[u8] = b"ARROW1";
-/// An Arrow stream.
 const ARROW_STREAM: &[u8] = b"\xff\xff\xff\xff";
-/// An mcap file.
 const MCAP: &[u8] = b"\x89MCAP";
 /// A zip of any kind.
 const ANY_ZIP: &[u8] = b"PK";

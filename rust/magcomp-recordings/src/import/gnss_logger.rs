@@ -71,11 +71,10 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, RecordingError> {
             Ok(())
         })?;
         cut.iter().for_each(|why| session.cut_off(why));
-        if session.raw.events.len() + calibrated.raw.events.len() > before {
-            if let Some(first) = first {
-                return Err(RecordingError::several(&first.path, &document.path));
-            }
-            first = Some(document);
+        if session.raw.events.len() + calibrated.raw.events.len() > before
+            && let Some(first) = first.replace(document)
+        {
+            return Err(RecordingError::several(&first.path, &document.path));
         }
     }
     if session.raw.events.is_empty() && !calibrated.raw.events.is_empty() {

@@ -82,7 +82,6 @@ impl Default for Budget {
 }
 
 impl Budget {
-    /// All of `content`.
     pub fn read(&mut self, content: impl Read) -> io::Result<Vec<u8>> {
         self.take(content, u64::MAX)
     }

@@ -58,11 +58,10 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, RecordingError> {
             stream.add(time_ns, value, || [cells.place(TIME), cells.place(VALUE[0])])
         })?;
         cut.iter().for_each(|why| session.cut_off(why));
-        if session.raw.events.len() > before {
-            if let Some(first) = first {
-                return Err(RecordingError::several(&first.path, &document.path));
-            }
-            first = Some(document);
+        if session.raw.events.len() > before
+            && let Some(first) = first.replace(document)
+        {
+            return Err(RecordingError::several(&first.path, &document.path));
         }
     }
     session.notes.push("the magnetometer is the one that the system calibrates".to_owned());

@@ -15,7 +15,6 @@ pub(super) const SECOND_NS: i64 = 1_000_000_000;
 pub(super) enum Time {
     /// The sum of columns, each in units of so many nanoseconds.
     Columns(Vec<(usize, i64)>),
-    /// So many rows a second.
     Rate(f64),
 }
 

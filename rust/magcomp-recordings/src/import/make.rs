@@ -102,7 +102,6 @@ fn plain_name(documents: &[Document]) -> &'static str {
     }
 }
 
-/// Puts a session in order.
 fn finish(
     name: &'static str,
     mut session: Session,

@@ -16,7 +16,6 @@ pub(super) struct Channel {
     pub encoding: String,
 }
 
-/// One message.
 pub(super) struct Message {
     pub channel: Rc<Channel>,
     pub log_time: u64,

@@ -97,7 +97,6 @@ fn either<T>(
     }
 }
 
-/// A recording as it is.
 fn open_recording(input: &Input) -> Result<Opened, RecordingError> {
     let content = input.open()?;
     let mut beginning = Session::default();
@@ -122,7 +121,6 @@ fn load_recording(input: &Input) -> Result<Loaded, RecordingError> {
     Ok(Loaded { events: session.into_events(), warnings, conventions })
 }
 
-/// A session as a recording.
 fn open_session(found: &[Input], options: &ImportOptions) -> Result<Opened, RecordingError> {
     let (events, summary) = import_found(found, options)?;
     let source = Source::of_events(&found[0].path, events)?;

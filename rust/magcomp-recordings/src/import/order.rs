@@ -47,7 +47,6 @@ fn span<T>(events: &[(i64, T)]) -> (i64, i64) {
 /// What became of a sensor's events when they were put in order.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Order {
-    /// There were.
     events: usize,
     /// Came after a later one, and were put in their place.
     late: usize,

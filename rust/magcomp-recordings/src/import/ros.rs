@@ -125,7 +125,6 @@ impl Kind {
 #[derive(Default)]
 struct Bag {
     session: Session,
-    /// Topics of each kind.
     topics: [BTreeSet<String>; 2],
     unstamped: usize,
     /// Why reading a bag ended before its end.

@@ -28,7 +28,6 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// In words.
     pub fn word(self) -> &'static str {
         match self {
             Self::Field => "field",
@@ -94,7 +93,6 @@ pub struct Summary {
 }
 
 impl Session {
-    /// The events of a sensor.
     pub fn stream(&mut self, kind: Kind) -> &mut Stream<Vector3<f64>> {
         match kind {
             Kind::Field => &mut self.raw,
@@ -264,7 +262,6 @@ impl Session {
         sensors
     }
 
-    /// Its events alone.
     pub fn into_events(self) -> Events {
         Events {
             field: self.raw.events,

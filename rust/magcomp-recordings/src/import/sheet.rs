@@ -23,7 +23,6 @@ pub(super) struct Sheet<'a> {
     has_header: bool,
 }
 
-/// One row.
 pub(super) struct Cells<'a> {
     sheet: &'a Sheet<'a>,
     record: Record,
@@ -55,7 +54,6 @@ impl<'a> Sheet<'a> {
         self.delimiter != Delimiter::Mark(b',')
     }
 
-    /// Where it lies.
     pub fn path(&self) -> &Path {
         &self.document.path
     }
@@ -66,7 +64,6 @@ impl<'a> Sheet<'a> {
         named.or_else(|| numbered(name).filter(|column| *column < self.header.len()))
     }
 
-    /// Whether its columns have names.
     pub fn has_header(&self) -> bool {
         self.has_header
     }
@@ -253,13 +250,11 @@ impl Cells<'_> {
         self.record.get(column).map_or_else(String::new, |cell| String::from_utf8_lossy(cell).trim().to_owned())
     }
 
-    /// Where a cell is.
     pub fn place(&self, column: usize) -> Place {
         let name = self.sheet.header.get(column).map(|name| shorten(name)).unwrap_or_default();
         Place { path: self.sheet.path().to_owned(), line: self.record.line, column: Some((column + 1, name)) }
     }
 
-    /// An error about a cell.
     pub fn wrong(&self, column: usize, expected: &str) -> RecordingError {
         let text = self.text(column);
         let found = if text.is_empty() { "an empty cell".to_owned() } else { format!("'{}'", shorten(&text)) };
@@ -273,7 +268,6 @@ impl Cells<'_> {
         if is_comma { text.replace(',', ".").into() } else { text.into() }
     }
 
-    /// A number.
     pub fn number(&self, column: usize) -> Result<f64, RecordingError> {
         self.point(column).parse().map_err(|_| self.wrong(column, "a number"))
     }

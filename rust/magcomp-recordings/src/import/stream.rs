@@ -36,7 +36,6 @@ impl<T> Stream<T> {
         Ok(())
     }
 
-    /// These events alone.
     pub fn keep(&mut self, part: &Range<usize>) {
         self.events.truncate(part.end);
         self.events.drain(..part.start.min(self.events.len()));

@@ -3,7 +3,6 @@
 use magcomp::nalgebra::{Matrix3, Vector3};
 use std::str::FromStr;
 
-/// Standard gravity, m/s^2.
 pub(super) const GRAVITY_M_S2: f64 = 9.80665;
 const MILLI: f64 = 1e-3;
 
@@ -111,9 +110,7 @@ impl FromStr for Frame {
 pub struct Frames {
     /// Of the magnetometer, and of the field that the system calibrated.
     pub(super) field: Frame,
-    /// Of the accelerometer.
     pub(super) up: Frame,
-    /// Of the gyroscope.
     pub(super) rate: Frame,
 }
 
@@ -147,9 +144,7 @@ impl FromStr for Frames {
 pub struct Shifts {
     /// Of the magnetometer, and of the field that the system calibrated, ns.
     pub(super) field_ns: i64,
-    /// Of the accelerometer, ns.
     pub(super) up_ns: i64,
-    /// Of the gyroscope, ns.
     pub(super) rate_ns: i64,
 }
 

@@ -15,7 +15,6 @@ pub(crate) struct Line {
     pub row: Row,
 }
 
-/// Where each quantity is.
 pub(super) struct Columns {
     pub names: Vec<String>,
     time: usize,
@@ -29,7 +28,6 @@ pub(super) struct Columns {
 }
 
 impl Columns {
-    /// Those of a header.
     pub fn from_header(path: &Path, header: &Record) -> Result<Self, RecordingError> {
         let names: Vec<String> = header.texts();
         let wrong = |expected: String| RecordingError::Form {

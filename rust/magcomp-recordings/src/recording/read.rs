@@ -51,7 +51,6 @@ pub(crate) struct Text {
     path: PathBuf,
     lines: Lines,
     columns: Columns,
-    /// Time of the line before.
     before: Option<(f64, i64)>,
 }
 
@@ -72,7 +71,6 @@ impl Text {
         Place { path: self.path.clone(), line: 2, column: index.map(|index| (index + 1, name.to_owned())) }
     }
 
-    /// The next line.
     pub fn line(&mut self) -> Result<Option<Line>, RecordingError> {
         if !self.lines.next().map_err(RecordingError::read(&self.path))? {
             return Ok(None);
@@ -83,7 +81,6 @@ impl Text {
     }
 }
 
-/// Where the lines come from.
 pub(super) enum Origin {
     Text(Box<Text>),
     Events(Merged),

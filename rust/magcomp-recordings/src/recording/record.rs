@@ -19,7 +19,6 @@ pub(crate) struct Record {
 }
 
 impl Record {
-    /// How many cells it has.
     pub fn len(&self) -> usize {
         self.ends.len()
     }

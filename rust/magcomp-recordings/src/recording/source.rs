@@ -26,7 +26,6 @@ pub struct Source {
 enum Kind {
     /// Gzipped or not; its rows are not in memory.
     Text(Content),
-    /// A session.
     Events(Arc<Events>),
 }
 
