@@ -104,7 +104,13 @@ impl Figures {
                     ..panel(
                         "test ratio of the innovation; above 1 a sample is not used",
                         "",
-                        vec![series("", Colour::Ink, ratio), Series { dashed: true, ..gate(self.extent.duration_s()) }],
+                        vec![
+                            series("", Colour::Ink, ratio),
+                            Series {
+                                dashed: true,
+                                ..Series::new("", Colour::Grey, [(0.0, GATE), (self.extent.duration_s(), GATE)])
+                            },
+                        ],
                     )
                 });
             }
@@ -166,11 +172,6 @@ impl Figures {
         })?;
         Ok(())
     }
-}
-
-/// The gate as a line.
-fn gate(end_s: f64) -> Series {
-    Series::new("", Colour::Grey, [(0.0, GATE), (end_s, GATE)])
 }
 
 fn is_any(points: &[(f64, f64)]) -> bool {

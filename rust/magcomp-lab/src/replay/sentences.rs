@@ -1,6 +1,6 @@
 //! A replay in words.
 
-use super::changes::{DeviceChange, PlaceDiffered};
+use super::changes::DeviceChange;
 use super::circle::HeadingError;
 use super::judgement::Judgement;
 use crate::statistics::MeanSpread;
@@ -98,7 +98,10 @@ fn others(raw: Option<String>, system: Option<String>) -> Option<String> {
 /// Device steps and places, in the order of time.
 fn changes_sentence(judgement: &Judgement) -> Option<String> {
     let devices = judgement.device_changes.iter().map(|change| (change.since_s, device_words(change)));
-    let places = judgement.places.iter().map(|place| (place.from_s, place_words(place)));
+    let places = judgement
+        .places
+        .iter()
+        .map(|place| (place.from_s, format!("place differed from {:.1} to {:.1} s", place.from_s, place.to_s)));
     let mut told: Vec<(f64, String)> = devices.chain(places).collect();
     told.sort_by(|a, b| a.0.total_cmp(&b.0));
     let more = told.len().saturating_sub(MOST_CHANGES);
@@ -111,10 +114,6 @@ fn device_words(change: &DeviceChange) -> String {
     let what = if change.back { "device as it was before from" } else { "device changed at" };
     let by = change.hard_iron_change_ut.map_or_else(String::new, |ut| format!(" (hard iron by {ut:.1} uT)"));
     format!("{what} {:.1} s{by}", change.since_s)
-}
-
-fn place_words(place: &PlaceDiffered) -> String {
-    format!("place differed from {:.1} to {:.1} s", place.from_s, place.to_s)
 }
 
 pub(super) fn counted(count: usize, noun: &str) -> String {
@@ -133,6 +132,7 @@ pub(super) fn signed(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::replay::changes::PlaceDiffered;
     use crate::replay::table;
     use crate::replay::{Ignore, Step, judge, replay, usual_part};
     use magcomp::nalgebra::{UnitQuaternion, Vector3};

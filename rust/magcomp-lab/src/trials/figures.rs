@@ -51,7 +51,7 @@ pub const FIGURES: [Figure; 16] = [
     large("longest_lie_s", "lie s", |found| absolute(found)?.longest_lie_s),
     large("device_steps_per_hour", "steps/h", |found| {
         let hours = found.duration_s / 3600.0;
-        (hours > 0.0).then(|| device_steps(found) as f64 / hours)
+        (hours > 0.0).then(|| found.device_changes.len() as f64 / hours)
     }),
     large("first_s", "first s", |found| found.absolute_heading.first_s),
     small("answered", "answered %", |found| {
@@ -76,9 +76,4 @@ pub(super) fn absolute(found: &Judgement) -> Option<AbsoluteHeading> {
 
 pub(super) fn published(found: &Judgement) -> Option<HeadingError> {
     found.published_heading.filter(|_| absolute(found).is_some())
-}
-
-/// How often the device is said to have changed.
-pub(super) fn device_steps(found: &Judgement) -> usize {
-    found.device_changes.len()
 }

@@ -1,6 +1,6 @@
 //! A recording's figures, and the sums over groups of recordings.
 
-use super::figures::{FIGURES, Worse, device_steps};
+use super::figures::{FIGURES, Worse};
 use super::folder::name_of;
 use super::groups::{Groups, Rule};
 use crate::error::LabError;
@@ -89,7 +89,7 @@ impl Score {
             declination_deg: *declination_deg,
             hours: found.duration_s / 3600.0,
             rows: found.absolute_heading.rows,
-            device_steps: device_steps(&found),
+            device_steps: found.device_changes.len(),
             figures: FIGURES.iter().map(|figure| (figure.name, (figure.of)(&found))).collect(),
         };
         Ok((score, warnings))

@@ -22,7 +22,8 @@ pub(super) fn sessions<T>(events: &[(i64, T)]) -> Vec<Range<usize>> {
     let Some((first_ns, _)) = events.first() else { return Vec::new() };
     let (mut parts, mut begin, mut latest_ns) = (Vec::new(), 0, *first_ns);
     for (k, (time_ns, _)) in events.iter().enumerate() {
-        if *time_ns < latest_ns - BATCH_NS && is_back(&events[k..], latest_ns) {
+        let is_back = || events[k..].iter().take(FOLLOWING).all(|(time_ns, _)| *time_ns < latest_ns);
+        if *time_ns < latest_ns - BATCH_NS && is_back() {
             parts.push(begin..k);
             (begin, latest_ns) = (k, *time_ns);
         }
@@ -33,10 +34,6 @@ pub(super) fn sessions<T>(events: &[(i64, T)]) -> Vec<Range<usize>> {
     spans.sort_unstable();
     let joined = spans.windows(2).all(|pair| (0..=BATCH_NS).contains(&(pair[1].0 - pair[0].1)));
     if joined { std::iter::once(0..events.len()).collect() } else { parts }
-}
-
-fn is_back<T>(events: &[(i64, T)], latest_ns: i64) -> bool {
-    events.iter().take(FOLLOWING).all(|(time_ns, _)| *time_ns < latest_ns)
 }
 
 fn span<T>(events: &[(i64, T)]) -> (i64, i64) {
