@@ -116,13 +116,6 @@ impl Adaptation {
         }
     }
 
-    /// The field is not trusted to be even at once.
-    pub(crate) fn expect_uneven(&mut self, tuning: &Tuning) {
-        if tuning.unevenness {
-            self.local_ut = tuning.local_most_ut;
-        }
-    }
-
     /// The slow difference between the corrected sample and the carried field.
     pub(crate) fn uneven(&mut self, difference_ut: &Vector3<f64>, dt_s: f64, tuning: &Tuning) {
         let quick = gain(dt_s, tuning.quick_s);

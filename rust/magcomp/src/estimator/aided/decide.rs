@@ -71,10 +71,6 @@ impl Aided {
             Verdict::Open => {}
         }
         if trial.is_over(&running.watch, &self.tuning) {
-            if trial.is_place {
-                // it fits again, perhaps by chance
-                self.adaptation.expect_uneven(&self.tuning);
-            }
             self.bursts.was_the_place();
             self.phase.decide(None); // nothing happened, or it is over
         }

@@ -189,11 +189,3 @@ fn unevenness_is_a_plain_mean_at_first_and_then_of_five_seconds() {
     adaptation.uneven(&NOTHING, DT_S, &tuning);
     assert!(close(adaptation.power_ut2, before * (1.0 - DT_S / tuning.settled_s)));
 }
-
-#[test]
-fn an_uneven_place_is_expected_at_once() {
-    let tuning = Tuning::default();
-    let mut adaptation = Adaptation { local_ut: 0.1, ..Adaptation::new(&tuning) };
-    adaptation.expect_uneven(&tuning);
-    assert_eq!(adaptation.local_ut, tuning.local_most_ut);
-}
