@@ -14,8 +14,10 @@ home=$target/python
 rm -rf "$home/wheels"
 python3 -m venv --clear "$home/venv"
 "$home/venv/bin/pip" install --quiet --no-compile --disable-pip-version-check --requirement python/tests/requirements.txt ${MAGCOMP_NIGHT:+pyspark==4.3.0}
-# the profile `dev` is `test`, which would make a test of it, and no module
-PATH=$home/venv/bin:$PATH maturin build --quiet --locked --profile "${PROFILE:-dev}" --manifest-path python/Cargo.toml --out "$home/wheels"
+# the profile `dev` is `test`, which would make a test of it, and no module; `beside` takes the crates that were built above
+beside=(--features beside)
+[ -z "${PROFILE:-}" ] || beside=()
+PATH=$home/venv/bin:$PATH maturin build --quiet --locked --profile "${PROFILE:-dev}" ${beside[@]+"${beside[@]}"} --manifest-path python/Cargo.toml --out "$home/wheels"
 "$home/venv/bin/pip" install --quiet --no-compile --disable-pip-version-check --no-deps "$home"/wheels/magcomp-*.whl
 # from the folder of the tests: the package must come from the wheel
 cd python/tests
