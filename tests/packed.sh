@@ -20,6 +20,9 @@ done
 cp rust/magcomp/examples/compass.rs "$work/user/src/main.rs"
 cp Cargo.lock "$work/user/"
 printf '[package]\nname = "user"\nedition = "2024"\n[dependencies]\nmagcomp = { path = "magcomp" }\n[workspace]\nmembers = ["magcomp"]\n' >"$work/user/Cargo.toml"
+# the profile and the compiler's plugins as here: these were checked before; the crate and all that it calls are not
+sed -n '/^\[profile.dev\]/,/^$/p' Cargo.toml >>"$work/user/Cargo.toml"
+sed -n '/^\[build-dependencies\]/,/^$/p' tests/Cargo.toml >>"$work/user/Cargo.toml"
 # the same versions as here, without the members that are not there
 cargo clippy --quiet --workspace --lib --bins --manifest-path "$work/user/Cargo.toml" --target-dir "$target" -- -D warnings
 echo "packed: $(cd "$work/target/package" && ls magcomp-*.crate), $(wc -c <"$work/target/package/"magcomp-*.crate) bytes; a program is built on it"
