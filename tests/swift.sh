@@ -17,9 +17,9 @@ gzip -dc tests/recordings/broad_34_attached_magnet_3cm.csv.gz >"$target/swift/re
 gzip -dc tests/recordings/broad_01_slow_rotation_A.csv.gz >"$target/swift/slow_rotation.csv"
 
 export MAGCOMP_FRAMEWORKS=stand-in MAGCOMP_NATIVE=$native MAGCOMP_EXPECTED=$target/swift
-# the package's own warnings are errors, what it builds stays out of its folder, and no editor asks for an index of it
+# the package's own warnings are errors, and what it builds stays out of its folder
 mkdir -p "$target/swift/symbols"
-options=(--disable-index-store --scratch-path "$target/swift/build" -Xswiftc -warnings-as-errors)
+options=(--scratch-path "$target/swift/build" -Xswiftc -warnings-as-errors)
 options+=(-Xswiftc -emit-symbol-graph -Xswiftc -emit-symbol-graph-dir -Xswiftc "$target/swift/symbols")
 # documentation MODULE [CATALOG]
 documentation() {
@@ -92,7 +92,7 @@ case "${1:-}" in
         "$native/magcomp" replay --axis auto \
             tests/recordings/broad_34_attached_magnet_3cm.csv.gz --output "$target/swift/replay.csv" >/dev/null
         cut -d, -f2-10,14 "$target/swift/replay.csv" | tail -n +2 >"$target/swift/of-replay.csv"
-        swift_run run --disable-index-store --package-path ios/Tests/Consumer --scratch-path "$target/swift/consumer" Consumer \
+        swift_run run --package-path ios/Tests/Consumer --scratch-path "$target/swift/consumer" Consumer \
             "$target/swift/recording.csv" >"$target/swift/of-consumer.csv"
         cmp "$target/swift/of-replay.csv" "$target/swift/of-consumer.csv"
         echo "swift: a package of its own reads $(wc -l <"$target/swift/of-consumer.csv") readings, those of magcomp replay"
