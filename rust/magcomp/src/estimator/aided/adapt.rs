@@ -58,7 +58,7 @@ pub(crate) struct Adaptation {
 pub(super) struct White {
     variance_ut2: f64,
     /// The one before, uT, and the turn since then.
-    previous: Option<(Vector3<f64>, Matrix3<f64>)>,
+    pub(super) previous: Option<(Vector3<f64>, Matrix3<f64>)>,
 }
 
 impl White {
@@ -71,16 +71,20 @@ impl White {
         self.variance_ut2.sqrt()
     }
 
-    /// A sample or a mean, with the turn from the one before.
+    /// A sample or a mean, with the turn from the one before; `None` says nothing.
     pub(super) fn step(
         &mut self,
-        raw_ut: &Vector3<f64>,
+        raw_ut: Option<&Vector3<f64>>,
         x: &Parts,
         turn: &Matrix3<f64>,
         dt_s: f64,
         memory_s: f64,
         tuning: &Tuning,
     ) {
+        let Some(raw_ut) = raw_ut else {
+            self.previous = self.previous.map(|(raw_ut, since)| (raw_ut, turn * since));
+            return;
+        };
         let (offset_ut, soft_iron) = (x.hard_iron, x.soft_iron());
         if let (Some((previous, since)), Some(w)) = (self.previous, soft_iron.try_inverse()) {
             let e = raw_ut - offset_ut - soft_iron * (turn * (since * (w * (previous - offset_ut))));
@@ -91,13 +95,6 @@ impl White {
             self.variance_ut2 = self.variance_ut2.max(LEAST_NOISE_UT.powi(2));
         }
         self.previous = Some((*raw_ut, Matrix3::identity()));
-    }
-
-    /// One that says nothing.
-    pub(super) fn pass(&mut self, turn: &Matrix3<f64>) {
-        if let Some((_, since)) = &mut self.previous {
-            *since = turn * *since;
-        }
     }
 }
 
@@ -176,11 +173,6 @@ impl Adaptation {
     /// L^2, variance per axis of a corrected sample about the carried field beyond white noise of `noise_ut2`, uT^2.
     pub(crate) fn local_ut2(&self, noise_ut2: f64, tuning: &Tuning) -> f64 {
         if tuning.unevenness { (self.power_ut2 - noise_ut2).max(0.0) } else { 0.0 }
-    }
-
-    /// Breaks the chain of one-step increments (gap, or no rotation known).
-    pub(crate) fn forget_previous(&mut self) {
-        (self.sample.previous, self.mean.previous) = (None, None);
     }
 
     /// The local field's standard deviation, from the size of an innovation and of its slow part.

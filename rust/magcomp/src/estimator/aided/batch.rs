@@ -9,7 +9,7 @@
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-use super::groups::{Groups, Seen};
+use super::groups::{Group, Groups};
 use super::measure::Model;
 use super::state::{AXES, BIAS, CALIBRATION, DELAY, FIELD, HARD_IRON, LOCAL, Parts, SOFT_IRON};
 use crate::calibration::iron_rows;
@@ -38,7 +38,7 @@ pub(super) struct Prior {
 
 impl Prior {
     /// Variance per axis of a group's mean sample, uT^2.
-    pub(super) fn variance(&self, mean: &Seen) -> f64 {
+    pub(super) fn variance(&self, mean: &Group) -> f64 {
         self.noise_ut2 / mean.count + self.place_ut2 * self.place_s / mean.moved_s
     }
 }
@@ -70,6 +70,17 @@ struct Fitted {
     normal: Normal,
 }
 
+impl Batch<'_> {
+    /// x with b and e at their best for its (h, g, tau, s).
+    fn place(&self, mut x: Vector) -> Option<Fitted> {
+        CALIBRATION.set(&mut x, &SVector::zeros());
+        let at = normal(self.groups, self.prior, &x);
+        let linear = CALIBRATION.block(&at.curvature).cholesky()?;
+        CALIBRATION.set(&mut x, &linear.solve(&CALIBRATION.of(&at.slope)));
+        Some(Fitted { x, normal: normal(self.groups, self.prior, &x) })
+    }
+}
+
 impl Cost<UNKNOWNS> for Batch<'_> {
     type Place = Fitted;
 
@@ -96,27 +107,15 @@ impl Cost<UNKNOWNS> for Batch<'_> {
     }
 
     fn after(&self, from: &Fitted, step: &Vector) -> Option<Fitted> {
-        let x = with_linear(self.groups, self.prior, from.x + step)?;
-        Some(Fitted { x, normal: normal(self.groups, self.prior, &x) })
+        self.place(from.x + step)
     }
 }
 
 /// Descends from a guess of x. Returns x, what is known there, and whether it has converged.
 pub(super) fn fit(groups: &Groups, prior: &Prior, from: Vector) -> Option<(Vector, Normal, bool)> {
-    let x = with_linear(groups, prior, from)?;
-    let from = Fitted { x, normal: normal(groups, prior, &x) };
-    let Descent { place, termination, .. } =
-        descend(&Batch { groups, prior }, from, LIMITS, |step| step.gain < CONVERGED);
+    let batch = Batch { groups, prior };
+    let Descent { place, termination, .. } = descend(&batch, batch.place(from)?, LIMITS, |step| step.gain < CONVERGED);
     Some((place.x, place.normal, termination != Termination::MaxIterations))
-}
-
-/// x with b and e at their best for its (h, g, tau, s).
-fn with_linear(groups: &Groups, prior: &Prior, mut x: Vector) -> Option<Vector> {
-    CALIBRATION.set(&mut x, &SVector::zeros());
-    let at = normal(groups, prior, &x);
-    let linear = CALIBRATION.block(&at.curvature).cholesky()?;
-    CALIBRATION.set(&mut x, &linear.solve(&CALIBRATION.of(&at.slope)));
-    Some(x)
 }
 
 /// The cost at x with its derivatives.
@@ -148,9 +147,9 @@ pub(super) fn parts(x: &Vector) -> Parts {
 }
 
 /// The derivative of a group's mean sample by x, and what it differs from the model by, uT.
-pub(super) fn model(x: &Parts, mean: &Seen) -> (SMatrix<f64, 3, UNKNOWNS>, Vector3<f64>) {
+pub(super) fn model(x: &Parts, mean: &Group) -> (SMatrix<f64, 3, UNKNOWNS>, Vector3<f64>) {
     let model = Model::of(&Parts { field: mean.back * x.field, ..*x }, &mean.rate_rad_s, 0.0);
-    let by_gyroscope = model.by_field * mean.by_gyroscope;
+    let by_gyroscope = model.by_field * mean.turned.by_gyroscope;
     let mut j = SMatrix::<f64, 3, UNKNOWNS>::zeros();
     j.fixed_columns_mut::<3>(FIELD.start()).copy_from(&(model.by_field * mean.back));
     j.fixed_columns_mut::<3>(HARD_IRON.start()).copy_from(&Matrix3::identity());

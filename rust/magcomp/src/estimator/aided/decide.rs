@@ -10,21 +10,24 @@
 use nalgebra::Vector3;
 
 use super::Aided;
-use super::events::{Began, Trial, Verdict};
+use super::earth::Earth;
+use super::events::{Trial, Verdict};
 use super::phase::Phase;
 use super::quarantine::Quarantine;
-use super::state::Filter;
+use super::state::{CALIBRATION, Filter};
 use super::step::Step;
-use super::watch::Former;
 use crate::reading::{Event, EventKind};
 
 impl Aided {
     /// The hypotheses start from the filter; `is_blind`: after a pause.
     pub(super) fn begin_trial(&mut self, is_blind: bool) {
         let Phase::Running(running) = &self.phase else { return };
-        let began = Began { is_blind, hold_s: self.bursts.hold_s(&self.tuning) };
+        // after a pause the turn alone may have been wrong: it is no time to recall
+        let former = self.former.as_ref().filter(|_| !is_blind);
+        let mut trial = Trial::start(&running.filter, &running.filter, &running.watch, former, &self.tuning);
+        (trial.is_blind, trial.hold_s) = (is_blind, self.bursts.hold_s(&self.tuning));
         self.bursts.begin();
-        self.phase.doubt(Trial::start(&running.filter, &running.watch, self.former.as_ref(), began, &self.tuning));
+        self.phase.doubt(trial);
     }
 
     /// One sample while the hypotheses run; the filter is as it was, predicted.
@@ -38,7 +41,7 @@ impl Aided {
                 self.bursts.was_the_device();
                 if let Some(kind) = trial.device_event(&running.filter, &self.tuning) {
                     self.event = event(kind);
-                    self.former = self.tuning.recall.then(|| Former::of(&running.filter));
+                    self.former = self.tuning.recall.then(|| running.filter.marginal(CALIBRATION));
                 }
                 if trial.was_place {
                     running.carry_earth(since_ns, &self.tuning);
@@ -55,7 +58,8 @@ impl Aided {
                 if !is_new {
                     self.event = event(EventKind::PlaceChanged);
                 }
-                let is_back = running.is_back_on_earth(&trial.place, &self.tuning);
+                let is_earth = |earth: &mut Earth| earth.is_that_of(&trial.place, &running.filter, &self.tuning);
+                let is_back = running.earth.take_if(is_earth).is_some();
                 if is_new && !is_back {
                     running.carry_earth(since_ns, &self.tuning);
                 }
@@ -66,11 +70,11 @@ impl Aided {
             Verdict::Neither => {
                 self.bursts.begin();
                 self.bursts.was_the_place();
-                trial.began.hold_s = self.bursts.hold_s(&self.tuning);
+                trial.hold_s = self.bursts.hold_s(&self.tuning);
             }
             Verdict::Open => {}
         }
-        if trial.is_over(&running.watch, &self.tuning) {
+        if !trial.is_blind && running.watch.share < 0.5 * self.tuning.suspect_share {
             self.bursts.was_the_place();
             self.phase.decide(None); // nothing happened, or it is over
         }

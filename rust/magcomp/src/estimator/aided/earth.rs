@@ -27,25 +27,15 @@ pub(crate) struct Earth {
     sd_ut: f64,
     /// w.
     probability: f64,
-    /// A break of the chain has made h but a sample.
-    is_lost: bool,
 }
 
 impl Earth {
     /// As `carried` has it, which went by what `before` knew.
     pub(crate) fn of(carried: &Filter, before: Option<&Self>, since_ns: i64) -> Self {
-        let m = carried.part(FIELD);
-        let Gaussian { mean: field_ut, covariance } =
-            before.map_or(Gaussian { mean: m, covariance: Matrix3::zeros() }, |it| it.mixed(&m));
+        let Gaussian { mean: field_ut, covariance } = Self::mixed(before, &carried.part(FIELD));
         let variance_ut2 = carried.variances(FIELD).sum() / 2.0 + covariance.trace() / 3.0;
         let since_ns = before.map_or(since_ns, |it| it.since_ns);
-        Self {
-            since_ns,
-            field_ut,
-            sd_ut: variance_ut2.sqrt(),
-            probability: 1.0,
-            is_lost: before.is_some_and(|it| it.is_lost),
-        }
+        Self { since_ns, field_ut, sd_ut: variance_ut2.sqrt(), probability: 1.0 }
     }
 
     /// One sample; `filter` is as it was before it.
@@ -63,13 +53,13 @@ impl Earth {
     pub(crate) fn lose(&mut self, m: &Vector3<f64>, now: &Vector3<f64>) {
         self.sd_ut = hypot(self.sd_ut, (self.field_ut - m).norm() / 3.0_f64.sqrt());
         self.field_ut = *now;
-        self.is_lost = true;
     }
 
     /// f where the field of the place is `m`, and what its covariance has beyond that of m.
-    pub(crate) fn mixed(&self, m: &Vector3<f64>) -> Gaussian<3> {
-        let (w, off_ut) = (self.probability, self.field_ut - m);
-        let drifted = Matrix3::from_diagonal_element(w * self.sd_ut * self.sd_ut);
+    pub(crate) fn mixed(earth: Option<&Self>, m: &Vector3<f64>) -> Gaussian<3> {
+        let Some(earth) = earth else { return Gaussian { mean: *m, ..Gaussian::default() } };
+        let (w, off_ut) = (earth.probability, earth.field_ut - m);
+        let drifted = Matrix3::from_diagonal_element(w * earth.sd_ut * earth.sd_ut);
         Gaussian { mean: m + off_ut * w, covariance: drifted + off_ut * off_ut.transpose() * (w * (1.0 - w)) }
     }
 

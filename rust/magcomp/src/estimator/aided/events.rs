@@ -40,15 +40,6 @@ pub(crate) enum Verdict {
     NewPlace,
 }
 
-/// How a trial began.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-pub(crate) struct Began {
-    /// With a pause, in which the turn was guessed: `place` is then that nothing but it changed.
-    pub(crate) is_blind: bool,
-    /// How long a change must hold, s.
-    pub(crate) hold_s: f64,
-}
-
 /// The hypotheses `device` and `place`, running.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Trial {
@@ -59,7 +50,10 @@ pub(crate) struct Trial {
     pub(super) device: Filter,
     pub(super) place: Filter,
     recalled: bool,
-    pub(super) began: Began,
+    /// It began with a pause, in which the turn was guessed: `place` is then that nothing but it changed.
+    pub(super) is_blind: bool,
+    /// How long a change must hold, s.
+    pub(super) hold_s: f64,
     log_ratio: f64,
     device_misfit: f64,
     place_misfit: f64,
@@ -74,35 +68,14 @@ pub(crate) struct Trial {
 }
 
 impl Trial {
-    /// Starts the hypotheses from the filter as it is.
+    /// Starts `place` from the filter as it is, and `device` from the field of the place `there`.
     pub(crate) fn start(
         filter: &Filter,
+        there: &Filter,
         watch: &Watch,
         former: Option<&Former>,
-        began: Began,
         tuning: &Tuning,
     ) -> Self {
-        // after a pause the turn alone may have been wrong: it is no time to recall
-        let former = former.filter(|_| !began.is_blind);
-        Self { began, ..Self::start_in(filter, filter, watch, former, tuning) }
-    }
-
-    /// What is told once `device` has won over `filter`, which is as it was before; None if it is but relearned.
-    pub(crate) fn device_event(&self, filter: &Filter, tuning: &Tuning) -> Option<EventKind> {
-        let moved_ut = (self.device.part(HARD_IRON) - filter.part(HARD_IRON)).norm();
-        // after a pause b may have walked
-        let least_ut = if self.began.is_blind { tuning.smallest_step_ut } else { LEAST_TOLD_UT };
-        let kind = if self.recalled { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
-        (moved_ut > least_ut).then_some(kind)
-    }
-
-    /// Whether it was nothing, or is over: the filter's own samples fit again.
-    pub(crate) fn is_over(&self, watch: &Watch, tuning: &Tuning) -> bool {
-        !self.began.is_blind && watch.share < 0.5 * tuning.suspect_share
-    }
-
-    /// Starts `place` from the filter as it is, and `device` from the field of the place `there`.
-    fn start_in(filter: &Filter, there: &Filter, watch: &Watch, former: Option<&Former>, tuning: &Tuning) -> Self {
         let step_ut = watch.misfit_ut.max(tuning.smallest_step_ut);
         let (mut device, mut place) = (there.clone(), filter.clone());
         let recall = former.filter(|_| watch.fits_former(tuning));
@@ -118,6 +91,15 @@ impl Trial {
         }
         place.add_variance(FIELD, step_ut * step_ut);
         Self { onset_ns: watch.since_ns, device, place, recalled: recall.is_some(), ..Self::default() }
+    }
+
+    /// What is told once `device` has won over `filter`, which is as it was before; None if it is but relearned.
+    pub(crate) fn device_event(&self, filter: &Filter, tuning: &Tuning) -> Option<EventKind> {
+        let moved_ut = (self.device.part(HARD_IRON) - filter.part(HARD_IRON)).norm();
+        // after a pause b may have walked
+        let least_ut = if self.is_blind { tuning.smallest_step_ut } else { LEAST_TOLD_UT };
+        let kind = if self.recalled { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
+        (moved_ut > least_ut).then_some(kind)
     }
 
     /// The device turns.
@@ -167,7 +149,7 @@ impl Trial {
             self.device_misfit = 0.0;
         }
         // while the filter as it was explains the samples, nothing else wins
-        let unchanged = !self.began.is_blind && !self.is_place && watch.share < MOST;
+        let unchanged = !self.is_blind && !self.is_place && watch.share < MOST;
         if step.resting || unchanged {
             return Verdict::Open;
         }
@@ -177,9 +159,10 @@ impl Trial {
             let held = tuning.place_holds && self.is_place && self.place_s > tuning.settled_s;
             *self = Self {
                 onset_ns: if held { self.fitted_ns } else { self.onset_ns },
-                began: self.began,
+                is_blind: self.is_blind,
+                hold_s: self.hold_s,
                 was_place: self.was_place || self.is_place,
-                ..Self::start_in(filter, if held { &self.place } else { filter }, watch, former, tuning)
+                ..Self::start(filter, if held { &self.place } else { filter }, watch, former, tuning)
             };
             Verdict::Neither
         })
@@ -192,7 +175,7 @@ impl Trial {
             ChangeHypothesis { kind, onset_ns: self.onset_ns, log_odds: log_odds.min(0.0), gated_share }
         };
         let device = if self.recalled { ChangeKind::DeviceBack } else { ChangeKind::Device };
-        let place = if self.began.is_blind { ChangeKind::Unchanged } else { ChangeKind::Place };
+        let place = if self.is_blind { ChangeKind::Unchanged } else { ChangeKind::Place };
         let device = of(device, self.log_ratio, self.device_misfit);
         let place = of(place, -self.log_ratio, self.place_misfit);
         if self.log_ratio < 0.0 { [place, device] } else { [device, place] }
@@ -224,14 +207,14 @@ impl Trial {
             return None;
         }
         // a former calibration that fits again needs less
-        let (share, hold_s) = if self.recalled { (0.5, 0.0) } else { (1.0, self.began.hold_s) };
+        let (share, hold_s) = if self.recalled { (0.5, 0.0) } else { (1.0, self.hold_s) };
         let rotation_rad = tuning.decide_rotation_rad * (share + hold_s / tuning.quick_s);
         let device_holds = self.device_misfit < tuning.suspect_share;
         Some(if self.rotation_rad < rotation_rad || self.age_s < tuning.ramp_s + hold_s {
             Verdict::Open
         } else if self.log_ratio > tuning.decide_log_ratio && device_holds {
             Verdict::Device
-        } else if self.began.is_blind && place_fits {
+        } else if self.is_blind && place_fits {
             Verdict::Unchanged
         } else if self.log_ratio < -tuning.decide_log_ratio && place_fits {
             (self.is_place, self.fitted_ns) = (true, time_ns);

@@ -17,7 +17,6 @@ use super::state::{
     AXES, BIAS, CALIBRATION, DELAY, FIELD, Filter, HARD_IRON, HARD_IRON_ALONE, LOCAL, Parts, SOFT_IRON, SOFT_IRON_ALONE,
 };
 use super::step::{Known, Step};
-use super::strength::impossible_field;
 use super::tuning::Tuning;
 use crate::ellipsoid::FitError;
 use crate::level::Level;
@@ -40,14 +39,14 @@ pub(super) struct FirstFit {
     /// The same as a filter, carried on to the latest sample, while the field's direction is known well enough to be told.
     pub(super) answer: Option<Filter>,
     /// The samples alone, without what was given, know the offset well enough for the filter to go on.
-    is_settled: bool,
+    pub(super) is_settled: bool,
     /// The calibration that was given, while it is believed.
     pub(super) given: Option<Before>,
     /// Strengths that a fit may find, uT.
     earth_ut: Range<f64>,
     /// Bias of the gyroscope as rest has shown it, rad/s, and its variance per axis.
     bias_rad_s: Vector3<f64>,
-    bias_variance: f64,
+    pub(super) bias_variance: f64,
     /// Variance per axis of what the latest fit left beyond noise, uT^2; the next one allows for it.
     misfit_ut2: f64,
     /// Why the latest fit counts for nothing, if that can be said.
@@ -116,11 +115,6 @@ impl FirstFit {
         self.answer.as_ref().map_or((self.bias_rad_s, Matrix3::zeros()), |_| (x.bias, x.axes))
     }
 
-    /// How well rest has shown the bias of the gyroscope, per axis, rad/s.
-    pub(super) fn rest_bias_sigma_rad_s(&self) -> f64 {
-        self.bias_variance.sqrt()
-    }
-
     /// At rest the rate is the bias.
     pub(super) fn rest(&mut self, rate_rad_s: &Vector3<f64>, variance: f64) {
         let gain = self.bias_variance / (self.bias_variance + variance);
@@ -172,11 +166,6 @@ impl FirstFit {
         }
     }
 
-    /// The answer, once the samples alone know the offset well enough for the filter to go on from it.
-    pub(super) fn take(&mut self) -> Option<Filter> {
-        self.answer.take_if(|_| self.is_settled)
-    }
-
     fn fit(&mut self, noise_ut2: f64, up: Option<&Vector3<f64>>, tuning: &Tuning) -> Option<Filter> {
         let prior = self.prior(self.given.as_ref(), noise_ut2, tuning);
         let Some((x, normal, has_converged)) = fit(&self.groups, &prior, self.x) else {
@@ -189,7 +178,7 @@ impl FirstFit {
             return None;
         }
         let found = filter(&x, &covariance, tuning)?;
-        self.refused = impossible_field(&found, &POSSIBLE_UT);
+        self.refused = found.impossible_field(&POSSIBLE_UT);
         let is_earthly = self.earth_ut.contains(&self.field().norm());
         if self.refused.is_some() || !is_earthly || tuning.plausible && !is_plausible(&x, &prior, self.given.is_some())
         {
@@ -219,20 +208,13 @@ impl FirstFit {
         let iron = 1.0 / tuning.iron_sd.powi(2);
         FIELD.block_mut(&mut precision).fill_diagonal(STRONGEST_AXIS_UT.powi(-2));
         HARD_IRON.block_mut(&mut precision).fill_diagonal(1.0 / LARGEST_UT.powi(2));
-        SOFT_IRON
-            .block_mut(&mut precision)
-            .set_diagonal(&SVector::from([1.0, 1.0, 1.0, 2.0, 2.0, 2.0].map(|it| it * iron)));
+        let elements = SVector::from([1.0, 1.0, 1.0, 2.0, 2.0, 2.0]) * iron;
+        SOFT_IRON.block_mut(&mut precision).set_diagonal(&elements);
         BIAS.block_mut(&mut precision).fill_diagonal(1.0 / self.bias_variance);
-        DELAY.block_mut(&mut precision).fill_diagonal(if tuning.delay {
-            DELAY_SD_S.powi(-2)
-        } else {
-            1.0 / DELAY.least_variance()
-        });
-        AXES.block_mut(&mut precision).fill_diagonal(if tuning.gyroscope_axes {
-            tuning.axes_sd.powi(-2)
-        } else {
-            1.0 / AXES.least_variance()
-        });
+        let delay = if tuning.delay { DELAY_SD_S.powi(-2) } else { 1.0 / DELAY.least_variance() };
+        DELAY.block_mut(&mut precision).fill_diagonal(delay);
+        let axes = if tuning.gyroscope_axes { tuning.axes_sd.powi(-2) } else { 1.0 / AXES.least_variance() };
+        AXES.block_mut(&mut precision).fill_diagonal(axes);
         if let Some((given, known)) = given.and_then(|given| Some((given, given.precision()?))) {
             CALIBRATION.set(&mut mean, &given.calibration.mean);
             CALIBRATION.block_mut(&mut precision).copy_from(&known);
@@ -277,7 +259,7 @@ impl FirstFit {
         let unseen = self.groups.means(&Parts { field: unseen_ut, ..x });
         for (mean, unseen) in self.groups.means(&x).zip(unseen) {
             let v = prior.variance(&mean);
-            let bend = x.soft_iron() * unseen.by_gyroscope.fixed_columns::<3>(0);
+            let bend = x.soft_iron() * unseen.turned.by_gyroscope.fixed_columns::<3>(0);
             let (j, _) = model(&x, &mean);
             cross += j.transpose() * bend / v;
             own += bend.transpose() * bend / v;

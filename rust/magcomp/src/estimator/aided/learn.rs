@@ -8,18 +8,18 @@
 //! ```
 //! Source: docs/dev/METHOD-AIDED.md.
 
-use nalgebra::Vector3;
-
 use super::Aided;
-use super::measure::{Innovation, Judged, NONE};
+use super::measure::NONE;
 use super::phase::{Phase, Running};
-use super::state::{FIELD, HARD_IRON, LOCAL, Parts};
+use super::propagate::ProcessNoise;
+use super::state::{DELAY, FIELD, HARD_IRON, LOCAL};
 use super::step::Step;
 use crate::estimator::answer::Answer;
-use crate::explanation::SampleUse;
+use crate::explanation::{InnovationTest, SampleUse};
 use crate::math::elementary::exp;
 use crate::math::turn::Turn;
 use crate::reading::Status;
+use crate::sensing::frame::Piece;
 
 impl Aided {
     /// One sample with a rotation.
@@ -30,7 +30,10 @@ impl Aided {
             Phase::Running(_) | Phase::Undecided(..) => self.learn(step),
         }
         if let Phase::Running(running) | Phase::Undecided(running, _) = &mut self.phase {
-            running.regain_strength(&self.tuning);
+            // after the first sample of a new chain of rotations: the field is as strong as it was before
+            if let Some(strength_ut) = running.lost_strength_ut.take() {
+                running.filter.update_strength(strength_ut, self.tuning.adopt_sd_ut.powi(2));
+            }
             if !running.filter.is_finite() {
                 self.begin(None);
             }
@@ -51,9 +54,9 @@ impl Aided {
         if is_pooled {
             first.add(step, self.motion.up.as_ref(), &self.tuning);
         }
-        self.judged = Some(Judged::alone(if is_pooled { SampleUse::Pooled } else { SampleUse::AtRest }));
-        if let Some(filter) = first.take() {
-            self.phase = Phase::Running(Running::of(filter));
+        self.judged = Some((if is_pooled { SampleUse::Pooled } else { SampleUse::AtRest }, None));
+        if let Some(filter) = first.answer.take_if(|_| first.is_settled) {
+            self.phase = Phase::Running(Running { filter, ..Running::default() });
         }
     }
 
@@ -68,12 +71,33 @@ impl Aided {
             earth.step(step, filter, &self.tuning);
         }
         filter.turn(&step.turn, exp(-step.dt_s / step.noise.local_time_s));
-        let delay_s = filter.delay_s();
-        if let Some(whole) = self.frame.add(&step.piece(), running.is_lost()) {
-            let delayed_rad_s = self.recent.mean_rad_s(delay_s + whole.late_s).filter(|_| self.tuning.recent);
-            let rate_rad_s = whole.increment_rad / whole.length_s;
-            self.learn_whole(&step.of_frame(&whole, &whole.raw_ut.unwrap_or_default(), &rate_rad_s, delayed_rad_s));
-        }
+        let delay_s = filter.part(DELAY).x;
+        let piece = Piece {
+            increment_rad: *step.increment_rad,
+            dt_s: step.dt_s,
+            bridged_rad2: step.noise.bridged_rad2,
+            raw_ut: (!step.is_blank).then_some(*step.raw_ut),
+            late_s: step.late_s,
+            up_m_s2: None,
+        };
+        let Some(whole) = self.frame.add(&piece, running.lost_strength_ut.is_some()) else { return };
+        let delayed_rad_s = self.recent.mean_rad_s(delay_s + whole.late_s).filter(|_| self.tuning.recent);
+        let rate_rad_s = whole.increment_rad / whole.length_s;
+        // the frame in place of its last sample: of means
+        self.learn_whole(&Step {
+            raw_ut: &whole.raw_ut.unwrap_or_default(),
+            is_blank: whole.raw_ut.is_none(),
+            rate_rad_s: &rate_rad_s,
+            delayed_rad_s: delayed_rad_s.unwrap_or(rate_rad_s),
+            increment_rad: &whole.increment_rad,
+            angle_rad: whole.increment_rad.norm(),
+            dt_s: whole.length_s,
+            noise: ProcessNoise { bridged_rad2: whole.bridged_rad2, ..step.noise },
+            sigma_ut: self.adaptation.mean.sigma_ut(),
+            late_s: whole.late_s,
+            bias_variance: step.bias_variance.map(|variance| variance * step.dt_s / whole.length_s),
+            ..*step
+        });
     }
 
     /// The filter's part of a frame.
@@ -84,26 +108,18 @@ impl Aided {
         let x = filter.parts();
         let turn = Turn::by(&-x.turned(step.increment_rad, step.dt_s));
         filter.spread(&turn, step.increment_rad, step.dt_s, &step.noise);
-        let sigma_ut = self.adaptation.mean.sigma_ut();
-        let step = &Step { sigma_ut, ..*step };
-        if step.is_blank {
-            self.adaptation.mean.pass(&turn.rotation);
-        } else {
-            let memory_s = self.tuning.settled_s;
-            self.adaptation.mean.step(step.raw_ut, &x, &turn.rotation, step.dt_s, memory_s, &self.tuning);
-        }
+        let raw_ut = (!step.is_blank).then_some(step.raw_ut);
+        let memory_s = self.tuning.settled_s;
+        self.adaptation.mean.step(raw_ut, &x, &turn.rotation, step.dt_s, memory_s, &self.tuning);
         self.quarantine.turn(step);
+        self.judged = Some((SampleUse::Unused, None));
         if step.is_blank {
             if let Phase::Undecided(_, trial) = &mut self.phase {
                 trial.turn(step);
             }
-            self.judged = Some(Judged::alone(SampleUse::Unused));
             return;
         }
-        let Some(innovation) = filter.innovation(step, &self.tuning) else {
-            self.judged = Some(Judged::alone(SampleUse::Unused));
-            return;
-        };
+        let Some(innovation) = filter.innovation(step, &self.tuning) else { return };
         // the local deviation swallows what changes slowly: beyond what is left to a place, it is none
         let local_ut = filter.part(LOCAL);
         let gated = innovation.nis > self.tuning.gate
@@ -116,12 +132,11 @@ impl Aided {
         if !step.resting {
             self.bursts.pass(gated, step.dt_s, &self.tuning);
         }
-        let filter = &mut running.filter;
         if let Some(variance) = step.bias_variance {
             filter.update_bias(step.rate_rad_s, variance);
         }
         // after a pause it is not known where the field points: both are tried
-        let is_blind = running.is_lost();
+        let is_blind = running.lost_strength_ut.is_some();
         let usage = if step.resting {
             SampleUse::AtRest
         } else if is_open || is_blind {
@@ -131,7 +146,12 @@ impl Aided {
         } else {
             SampleUse::Used
         };
-        self.judged = Some(Judged::by(&innovation, usage));
+        let told = InnovationTest {
+            innovation_ut: innovation.v,
+            expected_ut: innovation.variance_ut2.map(f64::sqrt),
+            ratio: innovation.nis / self.tuning.gate,
+        };
+        self.judged = Some((usage, Some(told)));
         if is_blind && !is_open {
             running.watch.begin(step.time_ns, innovation.v.norm());
             self.begin_trial(true);
@@ -140,10 +160,22 @@ impl Aided {
         if is_open {
             return self.run_trial(step);
         }
-        if usage != SampleUse::AtRest {
-            self.absorb(step, &innovation, usage);
+        if usage == SampleUse::Used {
+            let before_ut = filter.part(HARD_IRON);
+            filter.update(&innovation, NONE);
+            let variance_ut2 = filter.variances(HARD_IRON).sum();
+            let correction_ut = filter.part(HARD_IRON) - before_ut;
+            self.adaptation.walk(&correction_ut, variance_ut2, step.dt_s, &self.tuning);
+            let x = filter.parts();
+            if let Some((_, still)) = x.corrected(step.raw_ut) {
+                let late_rad = x.true_rate(&step.delayed_rad_s) * (x.delay + step.late_s);
+                let difference_ut = Turn::by(&-late_rad).rotation * still - x.field;
+                self.adaptation.uneven(&difference_ut, step.dt_s, &self.tuning);
+            }
         }
-        let Phase::Running(running) = &mut self.phase else { return };
+        if usage != SampleUse::AtRest {
+            self.adaptation.local(&innovation, step.motion, step.dt_s, &self.tuning);
+        }
         if running.watch.share > self.tuning.suspect_share {
             if self.tuning.quarantine
                 && !step.resting
@@ -156,26 +188,4 @@ impl Aided {
             self.quarantine.learned(&running.filter, step.dt_s, &self.tuning);
         }
     }
-
-    /// A sample in motion while nothing is in doubt: it corrects the filter unless it is gated, and shows the noises.
-    fn absorb(&mut self, step: &Step<'_>, innovation: &Innovation, usage: SampleUse) {
-        let Phase::Running(Running { filter, .. }) = &mut self.phase else { return };
-        if usage == SampleUse::Used {
-            let before_ut = filter.part(HARD_IRON);
-            filter.update(innovation, NONE);
-            let variance_ut2 = filter.variances(HARD_IRON).sum();
-            let correction_ut = filter.part(HARD_IRON) - before_ut;
-            self.adaptation.walk(&correction_ut, variance_ut2, step.dt_s, &self.tuning);
-            if let Some(difference_ut) = unevenness(step, &filter.parts()) {
-                self.adaptation.uneven(&difference_ut, step.dt_s, &self.tuning);
-            }
-        }
-        self.adaptation.local(innovation, step.motion, step.dt_s, &self.tuning);
-    }
-}
-
-/// What c and f differ by.
-fn unevenness(step: &Step<'_>, x: &Parts) -> Option<Vector3<f64>> {
-    let still = x.corrected(step.raw_ut)?.field_ut;
-    Some(Turn::by(&-(x.true_rate(&step.delayed_rad_s) * (x.delay + step.late_s))).rotation * still - x.field)
 }

@@ -15,7 +15,6 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use super::state::{BIAS, DELAY, ELEMENT, FIELD, Filter, HARD_IRON, LOCAL, Parts, SOFT_IRON, STATES, covariance};
 use super::step::Step;
 use super::tuning::Tuning;
-use crate::explanation::SampleUse;
 use crate::math::gaussian::Held;
 use crate::math::turn::Turn;
 
@@ -34,33 +33,6 @@ pub(crate) struct Innovation {
     gain: SMatrix<f64, STATES, 3>,
     /// z.
     whitened: Vector3<f64>,
-}
-
-/// What became of a sample: only told.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub(crate) struct Judged {
-    pub(crate) usage: SampleUse,
-    pub(crate) innovation: Option<Summary>,
-}
-
-/// What is kept of an innovation.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub(crate) struct Summary {
-    pub(crate) v: Vector3<f64>,
-    pub(crate) variance_ut2: Vector3<f64>,
-    pub(crate) nis: f64,
-}
-
-impl Judged {
-    pub(crate) fn by(innovation: &Innovation, usage: SampleUse) -> Self {
-        let Innovation { v, variance_ut2, nis, .. } = *innovation;
-        Self { usage, innovation: Some(Summary { v, variance_ut2, nis }) }
-    }
-
-    /// Without an innovation.
-    pub(crate) fn alone(usage: SampleUse) -> Self {
-        Self { usage, innovation: None }
-    }
 }
 
 pub(crate) const NONE: Held<'static> = &[];

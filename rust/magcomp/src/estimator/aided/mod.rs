@@ -1,6 +1,6 @@
 //! The aided estimator: gyroscope and gravity beside the magnetometer.
 //!
-//! One file an idea: `state` · `propagate` · `measure` · `adapt` (noise) · `motion` (rest, up) · `strength` · `earth` (in a new place) · `watch` (samples
+//! One file an idea: `state` · `propagate` · `measure` · `adapt` (noise) · `motion` (rest, up) · `earth` (in a new place) · `watch` (samples
 //! that do not fit) · `turned` (over several samples) · `quarantine`, `bursts` (magnets that are passed) · `recent` (delay) · `events` (hypotheses) · `first_fit`, `batch`, `groups` · `phase` (start, filter, hypotheses: one owner) · `start` · one sample: `step`, `sense`, `learn`, `decide`,
 //! `publish` · `explain` (for people). The derivation is in docs/dev/METHOD-AIDED.md.
 
@@ -25,7 +25,6 @@ mod sense;
 mod start;
 mod state;
 mod step;
-mod strength;
 #[cfg(test)]
 mod tests;
 mod tuning;
@@ -33,24 +32,25 @@ mod turned;
 mod watch;
 
 use crate::sample::seconds;
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use crate::calibration::Calibration;
 use crate::estimator::answer::{Answer, Carry};
-use crate::explanation::SampleUse;
+use crate::explanation::{InnovationTest, SampleUse};
 use crate::math::gaussian::Gaussian;
+use crate::math::symmetric::six;
 use crate::reading::{Event, SensorMode, Status};
 use crate::sensing::frame::Frame;
 use crate::sensing::pairing::PairedInertial;
 use adapt::Adaptation;
 use bursts::Bursts;
+use earth::Earth;
 use first_fit::FirstFit;
-use measure::Judged;
 use motion::Motion;
-use phase::{Phase, Running};
+use phase::Phase;
 use quarantine::Quarantine;
 use recent::Recent;
-use state::{BIAS, CALIBRATION, FIELD, FIELD_AND_CALIBRATION, Filter, HARD_IRON};
+use state::{BIAS, CALIBRATION, DELAY, FIELD, FIELD_AND_CALIBRATION, Filter, HARD_IRON};
 /// What an aided estimator is made with.
 pub(crate) use tuning::Tuning;
 use watch::Former;
@@ -78,7 +78,7 @@ pub(crate) struct Aided {
     chain_s: f64,
     was_broken: bool,
     /// What became of the latest sample: only told.
-    judged: Option<Judged>,
+    judged: Option<(SampleUse, Option<InnovationTest>)>,
 }
 
 impl Aided {
@@ -129,9 +129,7 @@ impl Aided {
 
     /// The Earth's field (device frame, uT), and what its covariance has beyond that of m.
     fn earth_ut(&self, filter: &Filter) -> Gaussian<3> {
-        self.phase
-            .running()
-            .map_or_else(|| Gaussian { mean: filter.part(FIELD), covariance: Matrix3::zeros() }, Running::earth_ut)
+        Earth::mixed(self.phase.running().and_then(|it| it.earth.as_ref()), &filter.part(FIELD))
     }
 
     /// From tr M = 3 to the known strength: the factor of M; what is corrected is divided by it. Without a known one the gauge stays.
@@ -160,9 +158,8 @@ impl Aided {
         }
         // d(M k) = k dM + M d|m| / known,   k = |m| / known
         let m = filter.parts().soft_iron() / known_ut;
-        let by_strength = SVector::from([m.m11, m.m22, m.m33, m.m12, m.m13, m.m23]);
         let mut j = SMatrix::<f64, 9, 12>::zeros();
-        j.fixed_view_mut::<6, 3>(3, 0).copy_from(&(by_strength * along.transpose()));
+        j.fixed_view_mut::<6, 3>(3, 0).copy_from(&(six(&m) * along.transpose()));
         j.fixed_view_mut::<3, 3>(0, 3).fill_with_identity();
         j.fixed_view_mut::<6, 6>(3, 6).fill_diagonal(self.scale(filter));
         Some(j * p * j.transpose())
@@ -181,10 +178,6 @@ impl Aided {
         // where the chain of rotations breaks, nothing better is known than that the field was there
         let expected_ut = self.phase.known().map_or_else(Vector3::zeros, Filter::expected_ut);
         let (_, mut answer) = self.step(time_ns, expected_ut, inertial, true);
-        if answer.filtered_field_ut.is_none() {
-            let Answer { up, mode, event, carry, .. } = answer;
-            return Answer { up, mode, event, carry, ..Answer::default() };
-        }
         // there is no sample that could be corrected
         (answer.field_ut, answer.field_covariance_ut2) = (None, None);
         answer
@@ -201,51 +194,33 @@ impl Aided {
         let dt_s = self.last_ns.map(|last| seconds(last, time_ns));
         self.last_ns = Some(time_ns);
         let up = inertial.up_m_s2;
-        let waited;
-        let step = if let (Some(rotation), Some(dt_s)) = (&inertial.rotation, dt_s) {
+        let (status, mut answer) = if let (Some(rotation), Some(dt_s)) = (&inertial.rotation, dt_s) {
             self.recent.add(&rotation.increment_rad, dt_s, &raw_ut, is_blank);
-            waited = self.recent.waited(self.phase.running().map_or(0.0, |it| -it.filter.delay_s()));
-            Some(self.sense(time_ns, &waited, rotation, up, dt_s))
-        } else {
-            self.adaptation.forget_previous();
-            self.recent = Recent::default();
-            None
-        };
-        let (status, mut answer) = match &step {
-            Some(step) => {
-                self.chain_s += step.dt_s;
-                self.with_rotation(step)
-            }
-            None => {
-                self.was_broken |= self.chain_s > 0.0;
-                self.chain_s = 0.0;
-                self.judged = Some(Judged::alone(SampleUse::NoRotation));
-                self.without_rotation(&raw_ut, up, dt_s)
-            }
-        };
-        answer.mode = match (step.is_some(), up.is_some()) {
-            (true, true) => SensorMode::GyroscopeAndGravity,
-            (true, false) => SensorMode::GyroscopeOnly,
-            (false, true) => SensorMode::GravityOnly,
-            (false, false) => SensorMode::MagnetometerOnly,
-        };
-        answer.carry = step.as_ref().map(|step| {
+            let waited = self.recent.waited(self.phase.running().map_or(0.0, |it| -it.filter.part(DELAY).x));
+            let step = self.sense(time_ns, &waited, rotation, up, dt_s);
+            self.chain_s += dt_s;
+            let (status, mut answer) = self.with_rotation(&step);
+            answer.mode = if up.is_some() { SensorMode::GyroscopeAndGravity } else { SensorMode::GyroscopeOnly };
             let bias_rad2_s2 = self.phase.known().map_or(step.bias_sd_rad_s.powi(2), |filter| {
                 // where m follows the place beyond what the filter believes, g is drawn along by as much
                 let published_ut2 =
                     answer.filtered_covariance_ut2.map_or(0.0, |p| p.trace() * self.scale(filter).powi(2));
                 filter.variances(BIAS).max() * (published_ut2 / filter.variances(FIELD).sum()).max(1.0)
             });
-            Carry {
+            answer.carry = Some(Carry {
                 turn: step.turn,
                 up: self.motion.up,
                 tilt_rad2: self.motion.tilt_rad2,
                 bias_rad2_s2,
                 is_bias_told: self.phase.known().is_some(),
-                span_s: step.dt_s,
-                noise_rad2: step.noise.turn_rad2(step.dt_s),
-            }
-        });
+                span_s: dt_s,
+                noise_rad2: step.noise.turn_rad2(dt_s),
+            });
+            (status, answer)
+        } else {
+            let (status, answer) = self.without_rotation(&raw_ut, up, dt_s);
+            (status, answer.without_gyroscope(up))
+        };
         (answer.up, answer.event) = (self.motion.up, self.event);
         (status, answer)
     }

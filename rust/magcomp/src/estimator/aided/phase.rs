@@ -10,11 +10,10 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::earth::Earth;
 use super::events::Trial;
-use super::first_fit::{Before, FirstFit};
-use super::state::{CALIBRATION, Corrected, FIELD, Filter, HARD_IRON, LOCAL};
+use super::first_fit::FirstFit;
+use super::state::{FIELD, Filter, HARD_IRON, LOCAL};
 use super::tuning::Tuning;
 use super::watch::Watch;
-use crate::math::gaussian::Gaussian;
 use crate::strength::STRONGEST_AXIS_UT;
 
 /// See the module.
@@ -30,13 +29,13 @@ pub(super) enum Phase {
 }
 
 /// The filter and what belongs to it.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Running {
     pub(super) filter: Filter,
     pub(super) watch: Watch,
     /// The Earth's field, while that of the place is another.
     pub(super) earth: Option<Earth>,
-    /// |m| before the chain of rotations broke.
+    /// |m| before the chain of rotations broke, while it is not known where the field points.
     pub(super) lost_strength_ut: Option<f64>,
 }
 
@@ -51,10 +50,7 @@ impl Phase {
 
     /// The filter, or what a start knows so far.
     pub(super) fn known(&self) -> Option<&Filter> {
-        match self {
-            Self::Starting(first) => first.answer.as_ref(),
-            Self::Running(running) | Self::Undecided(running, _) => Some(&running.filter),
-        }
+        if let Self::Starting(first) = self { first.answer.as_ref() } else { self.running().map(|it| &it.filter) }
     }
 
     /// The hypotheses.
@@ -82,7 +78,7 @@ impl Phase {
     pub(super) fn decide(&mut self, winner: Option<fn(Trial) -> Filter>) {
         *self = match self.take() {
             Self::Undecided(running, trial) => Self::Running(match winner {
-                Some(winner) => Running { filter: winner(trial), ..running.gone_on() },
+                Some(winner) => Running { filter: winner(trial), watch: Watch::default(), ..running },
                 None => running,
             }),
             other => other,
@@ -96,41 +92,9 @@ impl Phase {
 }
 
 impl Running {
-    pub(super) fn of(filter: Filter) -> Self {
-        Self { filter, watch: Watch::default(), earth: None, lost_strength_ut: None }
-    }
-
-    /// Goes on after a break or a decision: nothing is known to misfit.
-    pub(super) fn gone_on(self) -> Self {
-        Self { watch: Watch::default(), ..self }
-    }
-
-    /// Whether it is not known where the field points.
-    pub(super) fn is_lost(&self) -> bool {
-        self.lost_strength_ut.is_some()
-    }
-
-    /// The Earth's field (device frame, uT), and what its covariance has beyond that of m.
-    pub(super) fn earth_ut(&self) -> Gaussian<3> {
-        let m = self.filter.part(FIELD);
-        self.earth.as_ref().map_or_else(|| Gaussian { mean: m, covariance: Matrix3::zeros() }, |earth| earth.mixed(&m))
-    }
-
     /// The field of the place is another since then: the Earth's is carried beside it.
     pub(super) fn carry_earth(&mut self, since_ns: i64, tuning: &Tuning) {
         self.earth = tuning.new_place.then(|| Earth::of(&self.filter, self.earth.as_ref(), since_ns));
-    }
-
-    /// Whether the field of `found` is the Earth's again. Then it is carried alone.
-    pub(super) fn is_back_on_earth(&mut self, found: &Filter, tuning: &Tuning) -> bool {
-        self.earth.take_if(|it| it.is_that_of(found, &self.filter, tuning)).is_some()
-    }
-
-    /// After the first sample of a new chain of rotations: the field is as strong as it was before.
-    pub(super) fn regain_strength(&mut self, tuning: &Tuning) {
-        if let Some(strength_ut) = self.lost_strength_ut.take() {
-            self.filter.update_strength(strength_ut, tuning.adopt_sd_ut.powi(2));
-        }
     }
 
     /// The chain of rotations is broken: where the field points is lost, and the sample is the best guess of it.
@@ -138,7 +102,7 @@ impl Running {
         let filter = &mut self.filter;
         let m = filter.part(FIELD);
         self.lost_strength_ut.get_or_insert(m.norm());
-        if let Some(Corrected { field_ut: c, .. }) = filter.parts().corrected(raw_ut) {
+        if let Some((_, c)) = filter.parts().corrected(raw_ut) {
             if let Some(earth) = &mut self.earth {
                 earth.lose(&m, &c);
             }
@@ -154,13 +118,5 @@ impl Running {
         let room_ut2 = STRONGEST_AXIS_UT.powi(2) - self.filter.variances(HARD_IRON).sum() / 3.0;
         let walk_ut2 = tuning.largest_walk_ut.powi(2) * dt_s;
         self.filter.add_variance(HARD_IRON, walk_ut2.min(room_ut2).max(0.0));
-    }
-
-    /// The filter's calibration, which may have changed in a pause.
-    pub(super) fn kept(&self) -> Before {
-        Before {
-            calibration: self.filter.marginal(CALIBRATION),
-            strength_ut: self.lost_strength_ut.unwrap_or_else(|| self.filter.part(FIELD).norm()),
-        }
     }
 }

@@ -43,36 +43,6 @@ pub(crate) struct ProcessNoise {
     pub(crate) local_time_s: f64,
 }
 
-/// What process noise adds to P over some time.
-pub(super) struct StepNoise {
-    /// Variance of the turn per axis, rad^2.
-    pub(super) turn_rad2: f64,
-    /// Of b and of d per axis, uT^2.
-    pub(super) hard_iron_ut2: f64,
-    pub(super) local_ut2: f64,
-    pub(super) seconds: f64,
-}
-
-/// F's rows of m and d: dm'/dm, dd'/dd, and what both lose with what is added to the turn.
-struct Transition<A> {
-    m_by_m: Matrix3<f64>,
-    d_by_d: Matrix3<f64>,
-    m_by_turn: Matrix3<f64>,
-    d_by_turn: Matrix3<f64>,
-    added: A,
-}
-
-impl<A: Fn(&Parts) -> Vector3<f64>> Transition<A> {
-    /// F dx, of m and d.
-    #[inline(always)]
-    fn times(&self, dx: &Parts) -> Vector6<f64> {
-        let added = (self.added)(dx);
-        let m = self.m_by_m * dx.field - self.m_by_turn * added;
-        let d = self.d_by_d * dx.local - self.d_by_turn * added;
-        Vector6::new(m.x, m.y, m.z, d.x, d.y, d.z)
-    }
-}
-
 impl ProcessNoise {
     /// Variance of a step's turn per axis, rad^2.
     pub(crate) fn turn_rad2(&self, dt_s: f64) -> f64 {
@@ -100,37 +70,33 @@ impl Filter {
     pub(super) fn spread(&mut self, turn: &Turn, increment_rad: &Vector3<f64>, dt_s: f64, noise: &ProcessNoise) {
         let fade = exp(-dt_s / noise.local_time_s);
         self.carry_covariance(turn, fade, |dx| dx.axes * increment_rad + dx.bias * dt_s);
-        self.widen(&StepNoise {
-            turn_rad2: noise.turn_rad2(dt_s),
-            hard_iron_ut2: noise.offset_ut.powi(2) * dt_s,
-            local_ut2: noise.local_ut.powi(2) * (1.0 - fade * fade),
-            seconds: dt_s,
-        });
+        let local_ut2 = noise.local_ut.powi(2) * (1.0 - fade * fade);
+        self.widen(noise.turn_rad2(dt_s), noise.offset_ut.powi(2) * dt_s, local_ut2, dt_s);
     }
 
-    /// Turns m and d; d fades. `added` is what an error dx of the gyroscope adds to the vector of the turn, rad.
+    /// P of m and d that turned and faded so. `added` is what an error dx of the gyroscope adds to the vector of the turn, rad.
     #[inline(always)]
-    pub(super) fn carry(&mut self, turn: &Turn, fade: f64, added: impl Fn(&Parts) -> Vector3<f64>) {
-        self.turn(&turn.rotation, fade);
-        self.carry_covariance(turn, fade, added);
-    }
-
-    #[inline(always)]
-    fn carry_covariance(&mut self, turn: &Turn, fade: f64, added: impl Fn(&Parts) -> Vector3<f64>) {
+    pub(super) fn carry_covariance(&mut self, turn: &Turn, fade: f64, added: impl Fn(&Parts) -> Vector3<f64>) {
         let (m_by_m, d_by_d) = (turn.rotation, turn.rotation * fade);
         let Parts { field: m, local: d, .. } = self.parts();
         let (m_by_turn, d_by_turn) = (m.cross_matrix() * turn.left_jacobian, d.cross_matrix() * turn.left_jacobian);
-        let f = Transition { m_by_m, d_by_d, m_by_turn, d_by_turn, added };
+        // F dx, of m and d
+        let times = |dx: &Parts| {
+            let added = added(dx);
+            let m = m_by_m * dx.field - m_by_turn * added;
+            let d = d_by_d * dx.local - d_by_turn * added;
+            Vector6::new(m.x, m.y, m.z, d.x, d.y, d.z)
+        };
         let p = &mut self.covariance;
         let places = || FIELD.range().chain(LOCAL.range());
         // P F^T: in each row the numbers of m and d; what d has in common with others fades, and ends before it costs more than a number
         for k in 0..STATES {
-            let row = f.times(&Parts::of(|i| p[(k, i)])).map(faded);
+            let row = times(&Parts::of(|i| p[(k, i)])).map(faded);
             places().zip(&row).for_each(|(i, value)| p[(k, i)] = *value);
         }
         // F (P F^T): the rows of m and d, which but for their own columns are the columns mirrored
         for k in places() {
-            let column = f.times(&Parts::of(|i| p[(i, k)]));
+            let column = times(&Parts::of(|i| p[(i, k)]));
             places().zip(&column).for_each(|(i, value)| p[(i, k)] = *value);
         }
         for i in places().rev() {
@@ -138,12 +104,12 @@ impl Filter {
         }
     }
 
-    /// Adds process noise.
-    pub(super) fn widen(&mut self, noise: &StepNoise) {
+    /// Adds process noise: variances of the turn (rad^2), of b and of d (uT^2), each per axis, and what g does in so many seconds.
+    pub(super) fn widen(&mut self, turn_rad2: f64, hard_iron_ut2: f64, local_ut2: f64, seconds: f64) {
         let m = self.part(FIELD);
-        self.add(FIELD, &((Matrix3::identity() * m.norm_squared() - m * m.transpose()) * noise.turn_rad2));
-        self.add_variance(HARD_IRON, noise.hard_iron_ut2);
-        self.add_variance(BIAS, BIAS_WALK_RAD_S.powi(2) * noise.seconds);
-        self.add_variance(LOCAL, noise.local_ut2);
+        self.add(FIELD, &((Matrix3::identity() * m.norm_squared() - m * m.transpose()) * turn_rad2));
+        self.add_variance(HARD_IRON, hard_iron_ut2);
+        self.add_variance(BIAS, BIAS_WALK_RAD_S.powi(2) * seconds);
+        self.add_variance(LOCAL, local_ut2);
     }
 }

@@ -12,9 +12,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::Aided;
 use super::phase::Phase;
-use super::state::{CALIBRATION, Corrected, FIELD, Filter};
+use super::state::{CALIBRATION, DELAY, FIELD, Filter};
 use super::step::Step;
-use super::strength::impossible_field;
 use crate::calibration::calibration_covariance;
 use crate::estimator::answer::Answer;
 use crate::math::gaussian::Gaussian;
@@ -28,18 +27,17 @@ impl Aided {
     pub(super) fn published(&mut self, step: &Step<'_>) -> Option<Answer> {
         let filter = self.phase.known()?;
         let x = filter.parts();
-        let Corrected { inverse_iron: w, field_ut: still } = x.corrected(step.raw_ut)?;
+        let (w, still) = x.corrected(step.raw_ut)?;
         let late_rad = x.true_rate(&step.delayed_rad_s) * (x.delay + step.late_s);
         let c = Turn::by(&-late_rad).rotation * still;
-        let Gaussian { mean: f, covariance: elsewhere } = self.earth_ut(filter);
-        let covariances = match self.covariances.filter(|_| !self.frame.is_empty()) {
-            Some(of_the_frame) => of_the_frame,
-            None => self.covariances_ut2(step, filter, &w, &f, &elsewhere),
-        };
+        let f = self.earth_ut(filter);
+        let covariances = self
+            .covariances
+            .filter(|_| !self.frame.is_empty())
+            .unwrap_or_else(|| self.covariances_ut2(step, filter, &w, &f));
         self.covariances = Some(covariances);
         let [p_c, p_f] = covariances;
-        let filter = self.phase.known()?;
-        let (c, f) = (Gaussian { mean: c, covariance: p_c }, Gaussian { mean: f, covariance: p_f });
+        let (c, f) = (Gaussian { mean: c, covariance: p_c }, Gaussian { covariance: p_f, ..f });
         let mut answer = self.answer(filter, c, Some(f))?;
         answer.tilt_rad2 = Some(self.motion.tilt_rad2);
         Some(answer)
@@ -51,11 +49,11 @@ impl Aided {
         step: &Step<'_>,
         filter: &Filter,
         w: &Matrix3<f64>,
-        f: &Vector3<f64>,
-        elsewhere: &Matrix3<f64>,
+        f: &Gaussian<3>,
     ) -> [Matrix3<f64>; 2] {
+        let Gaussian { mean: f, covariance: elsewhere } = f;
         let swing = filter.parts().true_rate(step.rate_rad_s).cross(f);
-        let timing = swing * swing.transpose() * filter.delay_s2();
+        let timing = swing * swing.transpose() * filter.own(DELAY).x;
         let floor = self.adaptation.floor_ut2(&self.tuning);
         let noise = w * w.transpose() * self.adaptation.sample.sigma_ut().powi(2);
         // what c and f differ by is learned from frames
@@ -80,7 +78,7 @@ impl Aided {
         let Some(filter) = self.phase.known() else {
             return (Status::Collecting(Missing::Directions), Answer::default());
         };
-        let answer = filter.parts().corrected(raw_ut).and_then(|Corrected { inverse_iron: w, field_ut: c }| {
+        let answer = filter.parts().corrected(raw_ut).and_then(|(w, c)| {
             // one-step increments mean nothing without a rotation: no more noise than at the start
             let sigma_ut = self.adaptation.sample.sigma_ut().min(self.tuning.noise_start_ut);
             let noise = w * w.transpose() * sigma_ut.powi(2);
@@ -118,7 +116,7 @@ impl Aided {
             Phase::Running(running) => {
                 if let Some(earth) = running.earth.as_ref().filter(|earth| earth.is_elsewhere()) {
                     Status::Disturbed { since_ns: earth.since_ns }
-                } else if let Some(error) = impossible_field(&running.filter, &EARTH_UT) {
+                } else if let Some(error) = running.filter.impossible_field(&EARTH_UT) {
                     Status::Held(HoldReason::FitRefused(error))
                 } else if at_rest {
                     Status::Held(HoldReason::AtRest)

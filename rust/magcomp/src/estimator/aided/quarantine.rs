@@ -8,7 +8,7 @@
 //! The turns are added up, so that a copy costs little until it is needed. A copy is used once: were
 //! it kept, a filter whose samples misfit every second would learn nothing. Source: docs/dev/METHOD-AIDED.md, Bursts.
 
-use super::propagate::{ProcessNoise, StepNoise};
+use super::propagate::ProcessNoise;
 use super::state::Filter;
 use super::step::Step;
 use super::tuning::Tuning;
@@ -20,7 +20,7 @@ use crate::math::turn::Turn;
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Quarantine {
     /// Proven, and the way from there to `pending`.
-    proven: Option<Earlier>,
+    proven: Option<(Filter, Way)>,
     pending: Option<Filter>,
     /// The way since `pending` was taken.
     since: Way,
@@ -40,7 +40,7 @@ impl Quarantine {
         if self.age_s > tuning.local_time_s || self.pending.is_none() {
             self.age_s = 0.0;
             let way = std::mem::take(&mut self.since);
-            self.proven = self.pending.take().map(|filter| Earlier { filter, way });
+            self.proven = self.pending.take().map(|filter| (filter, way));
             self.pending = Some(filter.clone());
         }
     }
@@ -49,17 +49,10 @@ impl Quarantine {
     pub(super) fn take_back(&mut self, noise: &ProcessNoise) -> Option<Filter> {
         let Self { proven, pending, since, .. } = std::mem::take(self);
         match proven {
-            Some(Earlier { filter, way }) => Some(way.joined(&since).bring(filter, noise)),
+            Some((filter, way)) => Some(way.joined(&since).bring(filter, noise)),
             None => pending.map(|filter| since.bring(filter, noise)),
         }
     }
-}
-
-/// A filter of before, and the way from it.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-struct Earlier {
-    filter: Filter,
-    way: Way,
 }
 
 /// How the device turned, and what the process noise has added up to.
@@ -92,13 +85,10 @@ impl Way {
         let own = Turn::by(&self.turned.added(&filter.parts()));
         let turn = Turn { rotation: own.rotation * turn, ..own };
         let fade = exp(-seconds / noise.local_time_s);
-        filter.carry(&turn, fade, |dx| self.turned.added(dx));
-        filter.widen(&StepNoise {
-            turn_rad2: self.turn_rad2,
-            hard_iron_ut2: self.hard_iron_ut2,
-            local_ut2: noise.local_ut.powi(2) * (1.0 - fade * fade),
-            seconds,
-        });
+        let local_ut2 = noise.local_ut.powi(2) * (1.0 - fade * fade);
+        filter.turn(&turn.rotation, fade);
+        filter.carry_covariance(&turn, fade, |dx| self.turned.added(dx));
+        filter.widen(self.turn_rad2, self.hard_iron_ut2, local_ut2, seconds);
         filter
     }
 }

@@ -14,22 +14,13 @@ pub(super) struct Recent {
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-struct Entry {
+pub(super) struct Entry {
     /// Turn that the gyroscope read, rad, in so many seconds.
     rad: Vector3<f64>,
     over_s: f64,
-    raw_ut: Vector3<f64>,
-    is_blank: bool,
-}
-
-/// A sample that has waited.
-#[derive(Clone, Copy)]
-pub(super) struct Waited {
     pub(super) raw_ut: Vector3<f64>,
     /// The sensor was at its full scale, or told nothing: `raw_ut` says nothing.
     pub(super) is_blank: bool,
-    /// For how long.
-    pub(super) age_s: f64,
 }
 
 impl Recent {
@@ -43,17 +34,16 @@ impl Recent {
         (0..STEPS).map(|k| &self.steps[(self.newest + STEPS - k) % STEPS]).take_while(|step| step.over_s > 0.0)
     }
 
-    /// The sample that comes nearest to one of `wait_s` ago, as far back as they are kept.
-    pub(super) fn waited(&self, wait_s: f64) -> Waited {
-        let Entry { raw_ut, is_blank, .. } = self.steps[self.newest];
-        let mut nearest = Waited { raw_ut, is_blank, age_s: 0.0 };
+    /// The sample that comes nearest to one of `wait_s` ago, as far back as they are kept, and how long it has waited, s.
+    pub(super) fn waited(&self, wait_s: f64) -> (Entry, f64) {
+        let mut nearest = (self.steps[self.newest], 0.0);
         let mut next_s = 0.0;
         for (step, before) in self.newest_first().zip(self.newest_first().skip(1)) {
             next_s += step.over_s;
             if wait_s < next_s - 0.5 * step.over_s {
                 break;
             }
-            nearest = Waited { raw_ut: before.raw_ut, is_blank: before.is_blank, age_s: next_s };
+            nearest = (*before, next_s);
         }
         nearest
     }

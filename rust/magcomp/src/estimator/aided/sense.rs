@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 use super::Aided;
 use super::phase::Phase;
 use super::propagate::ProcessNoise;
-use super::recent::Waited;
+use super::recent::Entry;
 use super::step::{Known, SAMPLE_S, Step};
 use crate::math::turn::Turn;
 use crate::sensing::pairing::Rotation;
@@ -22,7 +22,7 @@ impl Aided {
     pub(super) fn sense<'a>(
         &mut self,
         time_ns: i64,
-        sample: &'a Waited,
+        (sample, late_s): &'a (Entry, f64),
         rotation: &'a Rotation,
         up: Option<Vector3<f64>>,
         dt_s: f64,
@@ -37,12 +37,9 @@ impl Aided {
         let angle_rad = turned_rad.norm();
         self.motion.step(&rotation.rate_rad_s, &known, dt_s, tuning);
         self.motion.carry_up(&turn, up, &known, rotation.variance_rad2, dt_s, tuning);
-        let Waited { raw_ut, is_blank, age_s: late_s } = sample;
-        if *is_blank {
-            self.adaptation.sample.pass(&turn);
-        } else {
-            self.adaptation.sample.step(raw_ut, &known.x, &turn, dt_s, tuning.memory_s, tuning);
-        }
+        let Entry { raw_ut, is_blank, .. } = sample;
+        let seen = (!is_blank).then_some(raw_ut);
+        self.adaptation.sample.step(seen, &known.x, &turn, dt_s, tuning.memory_s, tuning);
         let motion = self.motion.amount(tuning);
         // warming goes on at rest; what else is learned shows in motion only
         let least_ut2 = tuning.offset_walk_ut.powi(2);

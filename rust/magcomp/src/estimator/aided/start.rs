@@ -8,13 +8,16 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::Aided;
 use super::first_fit::{Before, FirstFit};
-use super::phase::Phase;
+use super::phase::{Phase, Running};
 use super::quarantine::Quarantine;
 use super::recent::Recent;
-use super::state::{HARD_IRON_ALONE, SOFT_IRON_ALONE};
+use super::state::{CALIBRATION, FIELD, HARD_IRON_ALONE, SOFT_IRON_ALONE};
+use super::watch::Watch;
 use crate::calibration::Given;
 use crate::estimator::answer::Answer;
+use crate::explanation::SampleUse;
 use crate::math::gaussian::Gaussian;
+use crate::math::symmetric::six;
 use crate::reading::Status;
 use crate::sensing::frame::Frame;
 
@@ -30,8 +33,7 @@ impl Aided {
         // the gauge here is trace M = 3: e = 3 M / tr M - I
         let m = given.calibration.soft_iron();
         let (trace, b) = (m.trace(), given.calibration.hard_iron_ut());
-        let e = m * (3.0 / trace) - Matrix3::identity();
-        let e = SVector::from([e.m11, e.m22, e.m33, e.m12, e.m13, e.m23]);
+        let e = six(&(m * (3.0 / trace) - Matrix3::identity()));
         let by_trace = SVector::from([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
         let of_identity = e + by_trace;
         let mut by = SMatrix::<f64, 9, 9>::identity();
@@ -54,6 +56,10 @@ impl Aided {
         up: Option<Vector3<f64>>,
         dt_s: Option<f64>,
     ) -> (Status, Answer) {
+        self.was_broken |= self.chain_s > 0.0;
+        self.chain_s = 0.0;
+        self.judged = Some((SampleUse::NoRotation, None));
+        (self.adaptation.sample.previous, self.adaptation.mean.previous) = (None, None);
         self.motion.without_rotation(up);
         self.recent = Recent::default();
         self.frame = Frame::default();
@@ -65,10 +71,13 @@ impl Aided {
             Phase::Running(mut running) | Phase::Undecided(mut running, _) => {
                 running.drift(dt_s, &self.tuning);
                 if dt_s > self.tuning.walk_s {
-                    self.begin(Some(running.kept()));
+                    // the filter's calibration, which may have changed in a pause
+                    let field_ut = || running.filter.part(FIELD).norm();
+                    let strength_ut = running.lost_strength_ut.unwrap_or_else(field_ut);
+                    self.begin(Some(Before { calibration: running.filter.marginal(CALIBRATION), strength_ut }));
                 } else {
                     running.lose_field(raw_ut, self.adaptation.local_ut);
-                    self.phase = Phase::Running(running.gone_on());
+                    self.phase = Phase::Running(Running { watch: Watch::default(), ..running });
                 }
             }
         }

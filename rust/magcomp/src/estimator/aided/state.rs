@@ -12,9 +12,13 @@
 //!
 //! raw = M h + b leaves the scale between M and |h| free, so E is held traceless. Source: docs/dev/METHOD-AIDED.md.
 
+use std::ops::Range;
+
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
+use crate::ellipsoid::FitError;
 use crate::math::gaussian::{Gaussian, Held, Part};
+use crate::priors::BEYOND_CHANCE;
 
 // the parts in their order, each with the least variance that rounding can carry
 /// Mathematics: m, uT.
@@ -57,13 +61,14 @@ impl Filter {
         Parts::of(|i| self.mean[i])
     }
 
-    pub(crate) fn delay_s(&self) -> f64 {
-        self.part(DELAY).x
-    }
-
-    /// Variance of tau, s^2.
-    pub(crate) fn delay_s2(&self) -> f64 {
-        self.own(DELAY).x
+    /// That m is stronger or weaker than any field of a range, uT, if so.
+    pub(super) fn impossible_field(&self, range_ut: &Range<f64>) -> Option<FitError> {
+        let m = self.part(FIELD);
+        let field_ut = m.norm();
+        let doubt_ut = BEYOND_CHANCE * m.dot(&(self.own(FIELD) * m)).max(0.0).sqrt() / field_ut;
+        let Range { start: low_ut, end: high_ut } = *range_ut;
+        let is_impossible = field_ut + doubt_ut < low_ut || field_ut - doubt_ut > high_ut;
+        is_impossible.then_some(FitError::FieldOutOfRange { field_ut, low_ut, high_ut })
     }
 
     /// Adds variance to the soft iron by the traceless pattern T.
@@ -128,10 +133,10 @@ impl Parts {
         Matrix3::identity() + self.iron
     }
 
-    /// W = M^-1, and c of a raw sample at its own time. `None` while M has no inverse.
-    pub(crate) fn corrected(&self, raw_ut: &Vector3<f64>) -> Option<Corrected> {
+    /// W = M^-1, and c = W (raw - b) of a raw sample at its own time, uT. `None` while M has no inverse.
+    pub(crate) fn corrected(&self, raw_ut: &Vector3<f64>) -> Option<(Matrix3<f64>, Vector3<f64>)> {
         let w = self.soft_iron().try_inverse()?;
-        Some(Corrected { inverse_iron: w, field_ut: w * (raw_ut - self.hard_iron) })
+        Some((w, w * (raw_ut - self.hard_iron)))
     }
 
     /// How the device turned in `dt_s` in which the gyroscope's readings add up to `increment`: (I - S) increment - g dt.
@@ -143,15 +148,6 @@ impl Parts {
     pub(crate) fn true_rate(&self, reading: &Vector3<f64>) -> Vector3<f64> {
         self.turned(reading, 1.0)
     }
-}
-
-/// A raw sample without the device's disturbance.
-#[derive(Clone, Copy)]
-pub(crate) struct Corrected {
-    /// W = M^-1.
-    pub(crate) inverse_iron: Matrix3<f64>,
-    /// W (raw - b), uT.
-    pub(crate) field_ut: Vector3<f64>,
 }
 
 /// The covariance of N states with R numbers that are linear in the state; `p(k, i)` is that of the k-th of them with state i.

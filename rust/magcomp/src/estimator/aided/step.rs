@@ -4,7 +4,6 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::propagate::ProcessNoise;
 use super::state::{AXES, BIAS, Filter, Parts};
-use crate::sensing::frame::{Piece, Whole};
 
 /// Data sheet: the interval of a phone's magnetometer at its fastest, s, that noise at rest and odds are told for: errors of others last longer than
 /// theirs.
@@ -35,44 +34,6 @@ pub(crate) struct Step<'a> {
     /// Variance of the rate about the bias, (rad/s)^2, once the device has rested for long enough.
     pub(crate) bias_variance: Option<f64>,
     pub(crate) motion: f64,
-}
-
-impl<'a> Step<'a> {
-    /// What it adds to a frame.
-    pub(crate) fn piece(&self) -> Piece {
-        Piece {
-            increment_rad: *self.increment_rad,
-            dt_s: self.dt_s,
-            bridged_rad2: self.noise.bridged_rad2,
-            raw_ut: (!self.is_blank).then_some(*self.raw_ut),
-            late_s: self.late_s,
-            up_m_s2: None,
-        }
-    }
-
-    /// A frame in place of this, its last sample: `raw_ut` and `rate_rad_s` are its means; `delayed_rad_s`: the mean rate over the delay and its mean age,
-    /// where it is known.
-    pub(crate) fn of_frame(
-        &self,
-        whole: &'a Whole,
-        raw_ut: &'a Vector3<f64>,
-        rate_rad_s: &'a Vector3<f64>,
-        delayed_rad_s: Option<Vector3<f64>>,
-    ) -> Self {
-        Self {
-            raw_ut,
-            rate_rad_s,
-            delayed_rad_s: delayed_rad_s.unwrap_or(*rate_rad_s),
-            increment_rad: &whole.increment_rad,
-            angle_rad: whole.increment_rad.norm(),
-            dt_s: whole.length_s,
-            noise: ProcessNoise { bridged_rad2: whole.bridged_rad2, ..self.noise },
-            late_s: whole.late_s,
-            is_blank: whole.raw_ut.is_none(),
-            bias_variance: self.bias_variance.map(|variance| variance * self.dt_s / whole.length_s),
-            ..*self
-        }
-    }
 }
 
 /// What is known of calibration and gyroscope before a sample.

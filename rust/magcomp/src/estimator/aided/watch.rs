@@ -16,25 +16,18 @@ use crate::calibration::iron_rows;
 use crate::math::gaussian::Gaussian;
 
 /// A calibration that was in force before a step.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub(crate) struct Former {
-    calibration: Gaussian<9>,
-}
+pub(crate) type Former = Gaussian<9>;
 
 impl Former {
-    pub(crate) fn of(filter: &Filter) -> Self {
-        Self { calibration: filter.marginal(CALIBRATION) }
-    }
-
     /// raw - (M h + b) of this calibration, uT.
     pub(crate) fn residual(&self, raw_ut: &Vector3<f64>, h: &Vector3<f64>) -> Vector3<f64> {
-        raw_ut - h - self.calibration.part(HARD_IRON_ALONE) - iron_rows(h) * self.calibration.part(SOFT_IRON_ALONE)
+        raw_ut - h - self.part(HARD_IRON_ALONE) - iron_rows(h) * self.part(SOFT_IRON_ALONE)
     }
 
     /// Puts this calibration into a filter, apart from all else in it.
     pub(crate) fn put_into(&self, filter: &mut Filter, tuning: &Tuning) {
-        filter.isolate(CALIBRATION, &self.calibration.covariance);
-        filter.set_part(CALIBRATION, &self.calibration.mean);
+        filter.isolate(CALIBRATION, &self.covariance);
+        filter.set_part(CALIBRATION, &self.mean);
         filter.add_variance(HARD_IRON, tuning.noise_start_ut * tuning.noise_start_ut);
     }
 }

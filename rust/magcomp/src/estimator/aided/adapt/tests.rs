@@ -44,11 +44,11 @@ fn noise_is_what_samples_differ_by_beyond_the_turn() {
         [(0.0, 0.0), (1.2, 1.44 / 6.0), (3.67, 3.67 * 3.67 / 6.0), (3.68, 9.0 * start_ut2), (50.0, 9.0 * start_ut2)]
     {
         let mut white = White::new(&tuning);
-        white.step(&at(Matrix3::identity()), &x, &Matrix3::identity(), DT_S, tuning.memory_s, &tuning);
+        white.step(Some(&at(Matrix3::identity())), &x, &Matrix3::identity(), DT_S, tuning.memory_s, &tuning);
         assert_eq!(white.variance_ut2, start_ut2);
-        white.pass(&first);
+        white.step(None, &x, &first, DT_S, tuning.memory_s, &tuning);
         let raw_ut = at(second * first) + Vector3::new(0.6, 0.0, -0.8) * off_ut;
-        white.step(&raw_ut, &x, &second, DT_S, tuning.memory_s, &tuning);
+        white.step(Some(&raw_ut), &x, &second, DT_S, tuning.memory_s, &tuning);
         let expected = start_ut2 + share * (seen - start_ut2);
         assert!(close(white.variance_ut2, expected), "{off_ut}: {} for {expected}", white.variance_ut2);
         assert_eq!(white.previous, Some((raw_ut, Matrix3::identity())));
@@ -61,7 +61,7 @@ fn noise_is_learned_at_most_at_once_and_never_less_than_the_least() {
     let (x, _) = parts();
     let mut white = White::new(&tuning);
     for _ in 0..2 {
-        white.step(&Vector3::x(), &x, &Matrix3::identity(), 5.0 * tuning.memory_s, tuning.memory_s, &tuning);
+        white.step(Some(&Vector3::x()), &x, &Matrix3::identity(), 5.0 * tuning.memory_s, tuning.memory_s, &tuning);
     }
     assert!(close(white.variance_ut2, 0.04), "{}", white.variance_ut2);
 }
@@ -73,16 +73,14 @@ fn samples_and_means_of_frames_are_learned_apart() {
     let mut adaptation = Adaptation::new(&tuning);
     let one = Matrix3::identity();
     for k in 0..2 {
-        adaptation.sample.step(&Vector3::repeat(f64::from(k)), &x, &one, DT_S, tuning.memory_s, &tuning);
-        adaptation.mean.step(step(0.0).raw_ut, &x, &one, DT_S, tuning.settled_s, &tuning);
+        adaptation.sample.step(Some(&Vector3::repeat(f64::from(k))), &x, &one, DT_S, tuning.memory_s, &tuning);
+        adaptation.mean.step(Some(step(0.0).raw_ut), &x, &one, DT_S, tuning.settled_s, &tuning);
     }
     let start = tuning.noise_start_ut.powi(2);
     // |(1, 1, 1)|^2 / 6; the means are all zero
     let sample = start + DT_S / tuning.memory_s * (0.5 - start);
     let mean = start * (1.0 - DT_S / tuning.settled_s);
     assert!(close(adaptation.sample.sigma_ut().powi(2), sample) && close(adaptation.mean.sigma_ut().powi(2), mean));
-    adaptation.forget_previous();
-    assert!(adaptation.sample.previous.is_none() && adaptation.mean.previous.is_none());
 }
 
 /// Two windows of half a second in which b goes the same way: the product of the two, and what P grew by, in three axes and the time.

@@ -70,7 +70,7 @@ fn nothing_wins_before_the_device_has_turned_and_the_change_has_held() {
                 log_ratio: ABOVE * tuning.decide_log_ratio,
                 ..Trial::default()
             };
-            trial.began.hold_s = hold_s;
+            trial.hold_s = hold_s;
             assert_eq!(decided(trial, &tuning), Some(expected), "recalled {recalled}, {hold_s} s, {turned}, {held}");
         }
     }
@@ -79,14 +79,13 @@ fn nothing_wins_before_the_device_has_turned_and_the_change_has_held() {
 #[test]
 fn after_a_pause_it_is_nothing_unless_the_device_is_likelier() {
     let tuning = Tuning::default();
-    let began = Began { is_blind: true, hold_s: 0.0 };
     for (log_ratio, place_misfit, expected) in [
         (0.0, BELOW * MOST, Verdict::Unchanged),
         (0.0, ABOVE * MOST, Verdict::Open),
         (ABOVE * tuning.decide_log_ratio, 0.0, Verdict::Device),
         (-ABOVE * tuning.decide_log_ratio, 0.0, Verdict::Unchanged),
     ] {
-        let trial = Trial { began, log_ratio, place_misfit, ..open(&tuning) };
+        let trial = Trial { is_blind: true, log_ratio, place_misfit, ..open(&tuning) };
         assert_eq!(decided(trial, &tuning), Some(expected), "{log_ratio}, {place_misfit}");
     }
 }
@@ -122,7 +121,7 @@ fn a_step_back_or_a_step_is_told_if_it_is_large_enough() {
     for (is_blind, least_ut) in [(false, LEAST_TOLD_UT), (true, tuning.smallest_step_ut)] {
         for (recalled, kind) in [(false, EventKind::DeviceStep), (true, EventKind::DeviceStepBack)] {
             for (share, expected) in [(ABOVE, Some(kind)), (BELOW, None)] {
-                let mut trial = Trial { recalled, began: Began { is_blind, hold_s: 0.0 }, ..Trial::default() };
+                let mut trial = Trial { recalled, is_blind, ..Trial::default() };
                 let before = Filter::default();
                 let moved = before.part(HARD_IRON) + Vector3::new(2.0, -1.0, 2.0) / 3.0 * (share * least_ut);
                 trial.device.set_part(HARD_IRON, &moved);
@@ -139,11 +138,11 @@ fn the_likelier_hypothesis_is_explained_first() {
         (-3.0, false, true, [ChangeKind::Place, ChangeKind::DeviceBack]),
         (-3.0, true, false, [ChangeKind::Unchanged, ChangeKind::Device]),
     ] {
-        let (began, onset_ns) = (Began { is_blind, hold_s: 0.0 }, 5);
+        let onset_ns = 5;
         let trial = Trial {
             log_ratio,
             recalled,
-            began,
+            is_blind,
             onset_ns,
             rotation_rad: 0.7,
             device_misfit: 0.1,

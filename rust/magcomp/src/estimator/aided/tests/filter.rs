@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use nalgebra::{SMatrix, Vector3};
 
-use super::super::state::{HARD_IRON, STATES};
+use super::super::state::{DELAY, HARD_IRON, STATES};
 use super::super::{Aided, Tuning};
 use super::simulator::World;
 use crate::reading::{HoldReason, Status};
@@ -182,7 +182,7 @@ fn a_late_gyroscope_is_found_and_f_is_of_its_time() {
                 squares_deg2 += output.filtered_field_ut.unwrap().angle(&field_ut).to_degrees().powi(2);
             }
         }
-        let (delay_s, late_s) = (aided.phase.running().unwrap().filter.delay_s(), 0.01 * late as f64);
+        let (delay_s, late_s) = (aided.phase.running().unwrap().filter.part(DELAY).x, 0.01 * late as f64);
         assert!((delay_s + late_s).abs() < 0.002, "{late_s} s late: {delay_s} s");
         let rms_deg = (squares_deg2 / 1_000.0).sqrt();
         assert!((0.02..0.45).contains(&rms_deg), "{late_s} s late: {rms_deg} deg");

@@ -81,7 +81,7 @@ fn a_part_of_the_state_that_is_off_stays_where_it_is() {
     let (_, aided) = without("");
     let filter = &aided.phase.running().unwrap().filter;
     // the world has no delay: that it was sought shows in what is known of it
-    assert!(filter.part(AXES).amax() > nothing && filter.delay_s2().sqrt() > nothing);
+    assert!(filter.part(AXES).amax() > nothing && filter.own(DELAY).x.sqrt() > nothing);
 }
 
 #[test]
