@@ -7,7 +7,7 @@ mod tests;
 
 use super::filter::{Filter, Kind, Leap};
 use super::frame::{Frame, Frames, MOST as FRAMES, Noise};
-use super::parameters::{Gaussian, LEAST_VARIANCE, NOTHING, Tau, TauMatrix, shape, tau_of};
+use super::parameters::{Gaussian, LEAST_VARIANCE, NOTHING, Tau, TauMatrix, centre, shape, tau_of};
 use super::state::State;
 use super::tuning::Tuning;
 use crate::calibration::Given;
@@ -57,17 +57,7 @@ pub(super) struct Bank {
 impl Bank {
     /// Takes all memory.
     pub fn new(unit_ut: f64) -> Self {
-        Self {
-            all: Roomy::<Vec<_>>::new(MOST + BROUGHT),
-            frames: Frames::new(),
-            noise: Noise::default(),
-            former: None,
-            next_id: 0,
-            turn: 0,
-            unit_ut,
-            looked: 0,
-            mirrored: 0,
-        }
+        Self { all: Roomy::<Vec<_>>::new(MOST + BROUGHT), frames: Frames::new(), unit_ut, ..Self::default() }
     }
 
     /// Forgets everything, in the memory that is there.
@@ -177,7 +167,7 @@ impl Bank {
     fn spawn(&mut self, place: usize, frame: &Frame, surprised: bool, seconds: f64, tuning: &Tuning) {
         let parent = &self.all[place];
         let (id, moves, likely) = (parent.id, parent.moves, parent.log_joint());
-        let known = parent.known();
+        let known = parent.now.known();
         let log = |per_h: f64| likely + ln(per_h * seconds / 3600.0);
         let mut state = parent.now.clone();
         state.odd = 0;
@@ -245,19 +235,18 @@ impl Bank {
 
     /// Starts on the other side of the best hypothesis' samples.
     fn twins(&mut self, tuning: &Tuning) {
-        let Some(best) = self.best().cloned() else { return };
-        let n = best.length(&self.frames).max(1) as f64;
-        let numbers = best.first..self.frames.next;
+        let Some(mut twin) = self.best().cloned() else { return };
+        let n = twin.length(&self.frames).max(1) as f64;
+        let numbers = twin.first..self.frames.next;
         let mean = numbers.clone().map(|k| self.frames.at(k).u).sum::<Vector3<f64>>() / n;
         let spread = numbers.map(|k| self.frames.at(k).u - mean).map(|d| d * d.transpose()).sum::<Matrix3<f64>>();
         let eigen = spread.symmetric_eigen();
         let normal: Vector3<f64> = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into();
-        let known = best.known();
-        let centre = super::parameters::centre(&known.mean);
-        let off = normal * (2.0 * normal.dot(&(centre - mean)));
-        let mut lin: Tau = known.mean;
-        (0..3).for_each(|i| lin[6 + i] -= off[i]);
-        let twin = best.about(lin, &self.frames, tuning, self.unit_ut);
+        let known = twin.now.tau();
+        let off = normal * (2.0 * normal.dot(&(centre(&known) - mean)));
+        twin.lin = known;
+        (0..3).for_each(|i| twin.lin[6 + i] -= off[i]);
+        twin.again(&self.frames, tuning, self.unit_ut);
         self.all.push(twin);
     }
 
@@ -271,12 +260,10 @@ impl Bank {
             let k = order[if place == 0 { 0 } else { 1 + (place + self.turn) % (n - 1).max(1) }];
             let filter = &mut self.all[k];
             let length = filter.length(&self.frames);
-            if length + 2 >= FRAMES {
-                let until = self.frames.next - FRAMES / 2;
-                filter.forget(until, &self.frames, tuning, self.unit_ut);
-            } else if length >= KNOWN_FRAMES && filter.is_known() && !filter.wants_run() {
-                let until = self.frames.next - KNOWN_FRAMES / 2;
-                filter.forget(until, &self.frames, tuning, self.unit_ut);
+            let is_settled = length >= KNOWN_FRAMES && filter.is_known() && !filter.wants_run();
+            let left_over = if length + 2 >= FRAMES { FRAMES / 2 } else { KNOWN_FRAMES / 2 };
+            if length + 2 >= FRAMES || is_settled {
+                filter.forget(self.frames.next - left_over, &self.frames, tuning, self.unit_ut);
             }
             let mut tries = if length < YOUNG { 4 } else { 2 };
             while left > 0 && tries > 0 && filter.wants_run() {

@@ -44,21 +44,17 @@ impl Adaptive {
             let Some(next) = others.max_by(|a, b| a.log_joint().total_cmp(&b.log_joint())) else { break };
             ids[k] = next.id;
             found[k] = Some(ChangeHypothesis {
-                kind: told(next.kind),
+                kind: match next.kind {
+                    Kind::Cold => ChangeKind::FromNothing,
+                    Kind::Device => ChangeKind::Device,
+                    Kind::Place => ChangeKind::Place,
+                    Kind::Former => ChangeKind::DeviceBack,
+                },
                 onset_ns: next.onset_ns,
                 log_odds: next.log_joint() - best.log_joint(),
                 gated_share: None,
             });
         }
         found
-    }
-}
-
-fn told(kind: Kind) -> ChangeKind {
-    match kind {
-        Kind::Cold => ChangeKind::FromNothing,
-        Kind::Device => ChangeKind::Device,
-        Kind::Place => ChangeKind::Place,
-        Kind::Former => ChangeKind::DeviceBack,
     }
 }

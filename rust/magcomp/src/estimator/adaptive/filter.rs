@@ -59,7 +59,7 @@ pub(super) struct Filter {
     pub begun: u64,
     base: State,
     pub first: u64,
-    lin: Tau,
+    pub lin: Tau,
     pub now: State,
     pub age: f64,
     pub former: Option<Gaussian>,
@@ -111,20 +111,14 @@ impl Filter {
     /// The same from this frame on, but b moves as these rates do, or rests.
     pub fn fork(&self, rates: Option<Process>, number: u64, log: f64) -> Self {
         let mut base = self.now.clone();
-        base.log = log;
-        let lin = self.now.tau();
-        let mut begun = Self::new(self.kind, base, lin, number, self.onset_ns);
-        if let Some(rates) = rates {
-            begun.base.rate = Rate::new(rates);
-            begun.now.rate = begun.base.rate;
-        }
+        (base.log, base.rate) = (log, rates.map_or_else(Rate::default, Rate::new));
         Self {
             moves: rates.is_some(),
-            base: begun.base,
-            now: begun.now,
-            fixed: begun.fixed,
+            now: base.clone(),
+            fixed: base.fixed(),
+            base,
             first: number,
-            lin,
+            lin: self.now.tau(),
             scale_sd: None,
             ..self.clone()
         }
@@ -135,10 +129,6 @@ impl Filter {
         self.now.log - self.gain
     }
 
-    pub fn known(&self) -> Gaussian {
-        self.now.known()
-    }
-
     fn way(&self, tuning: &Tuning, unit_ut: f64) -> Way {
         let after = |seconds: f64| self.onset_ns.saturating_add((seconds * 1e9) as i64);
         Way {
@@ -147,10 +137,6 @@ impl Filter {
             rough_until_ns: if self.kind == Kind::Place { after(tuning.change_s) } else { i64::MIN },
             done_ns: if self.takes_time { after(tuning.ramp_s) } else { i64::MIN },
         }
-    }
-
-    fn kill(&mut self) {
-        self.now.log = f64::NEG_INFINITY;
     }
 
     /// The latest frame.
@@ -167,19 +153,17 @@ impl Filter {
         {
             self.leap_to(frame, &leap, unit_ut);
         }
-        if !self.now.step(&self.lin, frame, way, tuning)
-            || !self.moves && !self.fixed.step(&self.lin, frame, way, tuning)
-        {
-            self.kill();
+        self.now.step(&self.lin, frame, way, tuning);
+        if !self.moves {
+            self.fixed.step(&self.lin, frame, way, tuning);
         }
     }
 
     /// Whether a frame is none that it expects.
     pub fn is_surprised(&self, frame: &Frame, tuning: &Tuning, unit_ut: f64) -> bool {
         let mut tried = self.now.clone();
-        self.leap.is_none()
-            && tried.step(&self.lin, frame, self.way(tuning, unit_ut), tuning)
-            && (tried.odd > 0 || tried.place_ns == Some(frame.time_ns))
+        tried.step(&self.lin, frame, self.way(tuning, unit_ut), tuning);
+        self.leap.is_none() && tried.log.is_finite() && (tried.odd > 0 || tried.place_ns == Some(frame.time_ns))
     }
 
     /// The first frame after a large change tells b: the direction of the field is that from before, but for a turn.
@@ -260,14 +244,11 @@ impl Filter {
             if is_bounded(&lin) {
                 let mut fixed = self.base.fixed();
                 cost += length;
-                let fits = fixed.follow(&lin, frames, self.first..frames.next, way, tuning);
-                if fits && self.log_prior(&lin) + fixed.log > own {
-                    self.lin = lin;
-                    self.fixed = fixed;
+                fixed.follow(&lin, frames, self.first..frames.next, way, tuning);
+                if self.log_prior(&lin) + fixed.log > own {
+                    (self.lin, self.fixed) = (lin, fixed);
                     self.now = self.start();
-                    if !self.now.follow(&lin, frames, self.first..frames.next, way, tuning) {
-                        self.kill();
-                    }
+                    self.now.follow(&lin, frames, self.first..frames.next, way, tuning);
                     return cost + length;
                 }
             }
@@ -279,14 +260,15 @@ impl Filter {
 
     /// How well it is known.
     pub fn look(&mut self) {
-        self.error = self.known().error();
+        self.error = self.now.known().error();
     }
 
     pub fn judge(&mut self, tuning: &Tuning, unit_ut: f64) {
         let off = self.off();
         self.gain = 0.0;
         if off.norm() > 2.0 * NEAR {
-            self.gain = Ldl::new(&self.known().covariance).map_or(0.0, |factors| 0.5 * off.dot(&factors.solve(&off)));
+            self.gain =
+                Ldl::new(&self.now.known().covariance).map_or(0.0, |factors| 0.5 * off.dot(&factors.solve(&off)));
         }
         let beyond = beyond_earth(&self.now.tau(), unit_ut);
         self.gain += 0.5 * (beyond / tuning.soft_iron).powi(2);
@@ -297,13 +279,11 @@ impl Filter {
         let way = self.way(tuning, unit_ut);
         self.base = self.start();
         self.scale_sd = None;
-        let absorbed = self.base.follow(&self.lin, frames, self.first..until, way, tuning);
+        self.base.follow(&self.lin, frames, self.first..until, way, tuning);
         self.first = until;
         // what the point says of the frames that are left
         self.fixed = self.base.fixed();
-        if !absorbed || !self.fixed.follow(&self.lin, frames, until..frames.next, way, tuning) {
-            self.kill();
-        }
+        self.fixed.follow(&self.lin, frames, until..frames.next, way, tuning);
     }
 
     /// Whether another that is less likely says the same: twins in one place, and changes of nearly the same time, whose onsets are kept on a grid
@@ -343,24 +323,12 @@ impl Filter {
         frames.next - self.first
     }
 
-    /// The same frames about another point.
-    pub fn about(&self, lin: Tau, frames: &Frames, tuning: &Tuning, unit_ut: f64) -> Self {
-        let mut other = self.clone();
-        other.lin = lin;
-        other.again(frames, tuning, unit_ut);
-        other
-    }
-
-    /// The frames again, about the same point.
+    /// The frames again, about `lin`.
     pub fn again(&mut self, frames: &Frames, tuning: &Tuning, unit_ut: f64) {
         (self.now, self.fixed) = (self.start(), self.base.fixed());
         let way = self.way(tuning, unit_ut);
-        let numbers = self.first..frames.next;
-        if !self.now.follow(&self.lin, frames, numbers.clone(), way, tuning)
-            || !self.fixed.follow(&self.lin, frames, numbers, way, tuning)
-        {
-            self.kill();
-        }
+        self.now.follow(&self.lin, frames, self.first..frames.next, way, tuning);
+        self.fixed.follow(&self.lin, frames, self.first..frames.next, way, tuning);
         self.judge(tuning, unit_ut);
         self.look();
     }

@@ -34,30 +34,21 @@ use filter::Kind;
 use frame::{Frame, Noise};
 use grouping::{Group, Grouping};
 use nalgebra::{SMatrix, Vector3};
-use parameters::{Gaussian, NOTHING, Tau, is_bounded};
+use parameters::{Gaussian, NOTHING, is_bounded};
 use published::Published;
 pub(crate) use tuning::Tuning;
 
 /// Format: samples before there can be an estimate: as many as nine parameters need, and some.
 const FEWEST: usize = 16;
 
-/// Groups that become one frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-struct Pooled {
-    sum: Vector3<f64>,
-    up: Vector3<f64>,
-    groups: f64,
-}
-
 /// Where the device stays.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 struct Stay {
     at: Vector3<f64>,
     latest_ns: i64,
-    /// The mean that is formed now is of 2^length groups.
-    length: usize,
-    frames: u32,
-    pooled: Pooled,
+    frames: usize,
+    /// The means of groups that become one frame.
+    pooled: Group,
 }
 
 /// The estimator. All state is plain numbers.
@@ -67,6 +58,8 @@ pub(crate) struct Adaptive {
     unit_ut: f64,
     strength_ut: Option<f64>,
     given: Option<Given>,
+    /// The same over tau. It is seen through it whether the device turns: what is published may move where it does not.
+    given_known: Option<Gaussian>,
     bank: Bank,
     uneven: Markov,
     tilt: Markov,
@@ -86,9 +79,7 @@ pub(crate) struct Adaptive {
     worst: f64,
     decision: Decision,
     count: u64,
-    /// The calibration that was given, through which it is seen whether the device turns: what is published may move where it does not.
-    through: Option<Tau>,
-    /// Sum of the directions seen through it, and of how many groups.
+    /// Sum of the directions seen through what was given, and of how many groups.
     seen: Vector3<f64>,
     groups: u64,
     /// What became of the latest complete group: only told.
@@ -116,6 +107,7 @@ impl Adaptive {
             unit_ut,
             strength_ut,
             given: initial,
+            given_known: initial.map(|given| bank::given(&given, unit_ut, tuning.place)),
             bank,
             uneven: Markov::new(tuning.uneven_ut / unit_ut, tuning.uneven_s),
             tilt: Markov::new(tuning.tilt_rad, tuning.tilt_s),
@@ -127,14 +119,13 @@ impl Adaptive {
             raw: [Vector3::zeros(); 2],
             period_s: 0.0,
             grouping: Grouping::default(),
-            stay: Stay { at: Vector3::zeros(), latest_ns: i64::MAX, length: 0, frames: 0, pooled: Pooled::default() },
+            stay: Stay { latest_ns: i64::MAX, ..Stay::default() },
             latest_ns: None,
             frame_ns: None,
             published: None,
             worst: 0.0,
             decision: Decision::default(),
             count: 0,
-            through: initial.map(|given| bank::given(&given, unit_ut, tuning.place).mean),
             seen: Vector3::zeros(),
             groups: 0,
             usage: None,
@@ -161,14 +152,8 @@ impl Adaptive {
         }
         self.raw = [self.raw[1], u];
         self.count += 1;
-        if self.count == 1
-            && let Some(given) = &self.given
-        {
-            self.published = Some(Published::new(
-                bank::given(given, self.unit_ut, self.tuning.place),
-                self.unit_ut,
-                self.strength_ut,
-            ));
+        if self.count == 1 {
+            self.published = self.given_known.map(|known| Published::new(known, self.unit_ut, self.strength_ut));
         }
         let radius = self.tuning.frame_ut / self.unit_ut + OUTLYING * self.white().sqrt();
         let longest = ((self.tuning.frame_s - self.period_s).max(0.0) * 1e9) as i64;
@@ -208,8 +193,7 @@ impl Adaptive {
             self.usage = Some(SampleUse::AtRest);
             return;
         };
-        let (u, up, count) =
-            (pooled.sum / pooled.groups, pooled.up.try_normalize(0.5 * pooled.groups), count * pooled.groups);
+        let (u, up, count) = (pooled.mean(), pooled.up.try_normalize(0.5 * pooled.count), count * pooled.count);
         let seconds = self.frame_ns.map_or(tuning.frame_s, |before| seconds(before, time_ns));
         self.frame_ns = Some(time_ns);
         let noise = self.noise();
@@ -221,17 +205,12 @@ impl Adaptive {
         let mut frame = Frame { time_ns, u, up, count, seconds, moved_s, stay, ..Frame::default() };
         frame.believe(&self.bank.noise);
         if self.bank.all.is_empty() {
-            let given = self.given.map(|given| bank::given(&given, self.unit_ut, self.tuning.place));
-            let given = given.filter(|_| self.bank.frames.next == 0);
-            if let Some(known) = given {
-                self.bank.begin_given(&frame, &known);
+            let given = self.given_known.filter(|_| self.bank.frames.next == 0);
+            if let Some(known) = &given {
+                self.bank.begin_given(&frame, known);
             }
-            self.bank.begin_cold(
-                &frame,
-                if given.is_some() { ln(RARE) } else { 0.0 },
-                self.strength_ut.is_some(),
-                &tuning,
-            );
+            let log = if given.is_some() { ln(RARE) } else { 0.0 };
+            self.bank.begin_cold(&frame, log, self.strength_ut.is_some(), &tuning);
         }
         self.learn(&frame);
         self.bank.push(frame, self.strength_ut.is_some(), &tuning);
@@ -241,39 +220,36 @@ impl Adaptive {
             .is_some_and(|best| best.now.odd > 0 || best.now.place_ns == Some(time_ns) || best.onset_ns == time_ns);
         self.usage = Some(if is_odd { SampleUse::Gated } else { SampleUse::Used });
         self.publish(time_ns);
-        if let Some(seen) = self.through.and_then(|tau| parameters::see(&tau, &u)) {
+        if let Some(seen) = self.given_known.and_then(|known| parameters::see(&known.mean, &u)) {
             self.seen += seen.direction;
             self.groups += 1;
         }
     }
 
     /// A group enters the means of its stay; such a mean where it is complete, its variance, and for how long the device moved before it, s.
-    fn pool(&mut self, group: &Group) -> Option<(Pooled, f64, f64)> {
+    fn pool(&mut self, group: &Group) -> Option<(Group, f64, f64)> {
         let (u, time_ns) = (group.mean(), group.began_ns);
         let stays = (u - self.stay.at).norm()
             < self.tuning.frame_ut / self.unit_ut + 3.0 * (self.white() * self.tuning.grouped).sqrt();
         let mut moved_s = 0.0;
         if !stays {
             moved_s = seconds(self.stay.latest_ns, time_ns).clamp(0.0, 0.5);
-            self.stay = Stay { at: u, latest_ns: time_ns, length: 0, frames: 0, pooled: Pooled::default() };
+            self.stay = Stay { at: u, ..Stay::default() };
             self.stays.end();
         }
         self.stay.latest_ns = time_ns;
-        if let Some((e, _)) = self.bank.best().and_then(|best| parameters::distance(&best.known().mean, &u)) {
-            self.stays.add(e);
+        if let Some(seen) = self.bank.best().and_then(|best| parameters::see(&best.now.tau(), &u)) {
+            self.stays.add((seen.radius - 1.0) / seen.slope);
         }
         let stay = &mut self.stay;
-        stay.pooled.sum += u;
-        stay.pooled.up += group.up().unwrap_or_default();
-        stay.pooled.groups += 1.0;
-        if stay.pooled.groups < f64::from(1u32 << stay.length) {
+        stay.pooled.add((time_ns, u, group.up()));
+        // of twice as many groups each, but for the first two
+        let length = if self.tuning.stays { stay.frames.saturating_sub(1) } else { 0 };
+        if stay.pooled.count < f64::from(1u32 << length) {
             return None;
         }
-        let variance = self.stays.variance(stay.length)?;
+        let variance = self.stays.variance(length)?;
         stay.frames += 1;
-        if stay.frames > 1 && self.tuning.stays {
-            stay.length += 1;
-        }
         Some((std::mem::take(&mut stay.pooled), variance, moved_s))
     }
 
@@ -286,7 +262,7 @@ impl Adaptive {
             self.missed = None;
             return;
         }
-        let known = best.known();
+        let known = best.now.known();
         let (level, tilted, _) = best.now.level();
         let Some(seen) = parameters::see(&known.mean, &frame.u) else { return };
         let by_tau = parameters::gradient(&known.mean, &seen.direction, &seen.offset, 0.0) / seen.slope;

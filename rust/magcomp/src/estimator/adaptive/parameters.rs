@@ -121,10 +121,3 @@ pub(super) fn see(tau: &Tau, u: &Vector3<f64>) -> Option<Seen> {
 pub(super) fn gradient(tau: &Tau, along: &Vector3<f64>, offset: &Vector3<f64>, last: f64) -> Tau {
     ten(&products(along, offset), &-(shape(tau) * along), -last)
 }
-
-/// A sample's distance from the ellipsoid of tau, units, and its derivative by tau; None at the centre itself.
-pub(super) fn distance(tau: &Tau, u: &Vector3<f64>) -> Option<(f64, Tau)> {
-    let seen = see(tau, u)?;
-    let by_tau = gradient(tau, &seen.direction, &seen.offset, 0.0);
-    Some(((seen.radius - 1.0) / seen.slope, by_tau / seen.slope))
-}

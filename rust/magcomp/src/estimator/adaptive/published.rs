@@ -5,10 +5,10 @@
 #[cfg(test)]
 mod tests;
 
-use super::parameters::{Gaussian, centre, distance, gradient, see, shape};
+use super::parameters::{Gaussian, centre, gradient, see, shape};
 use crate::calibration::Calibration;
 use crate::math::elementary::cbrt;
-use crate::math::symmetric::{PLACES, basis, six};
+use crate::math::symmetric::{basis, six};
 use crate::priors::OUTLYING;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
@@ -52,7 +52,8 @@ impl Published {
             g.fixed_view_mut::<3, 6>(0, 0).copy_from(&by_scale);
         }
         // by what a sample that nothing explains misses the sphere it may be off across it, too
-        let (miss, along) = distance(&self.known.mean, u)?;
+        let along = gradient(&self.known.mean, &seen.direction, &seen.offset, 0.0) / seen.slope;
+        let miss = (seen.radius - 1.0) / seen.slope;
         let is_off = miss * miss > OUTLYING * OUTLYING * (noise + self.known.variance(&along));
         let missed = if is_off { (seen.radius - 1.0).powi(2) } else { 0.0 };
         let noise = t * t * noise + Matrix3::from_diagonal_element(missed.max(elsewhere));
@@ -96,8 +97,5 @@ impl Published {
 /// d ln det(T)^(1/3)/dT: where det M = 1, a T of another size is the same M.
 fn by_shape(t: &Matrix3<f64>) -> Option<SVector<f64, 6>> {
     let inverse = t.try_inverse()?;
-    Some(
-        SVector::from(PLACES.map(|(i, j)| if i == j { inverse[(i, i)] } else { inverse[(i, j)] + inverse[(j, i)] }))
-            / 3.0,
-    )
+    Some(SVector::from(basis().map(|dt| inverse.dot(&dt))) / 3.0)
 }

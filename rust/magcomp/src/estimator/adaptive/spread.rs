@@ -11,21 +11,17 @@
 #[cfg(test)]
 mod tests;
 
+use super::frame::Frame;
 use crate::priors::BEYOND_CHANCE;
 use nalgebra::{Matrix3, Vector3};
-
-/// What is known before a spread begins: the covariance of beta, and the variances of the strength, relative, and of mu.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-pub(super) struct Before {
-    pub beta: Matrix3<f64>,
-    pub strength: f64,
-    pub vertical: f64,
-}
 
 /// See the module.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Spread {
-    before: Before,
+    /// What is known before it begins: the covariance of beta, and the variances of the strength, relative, and of mu.
+    beta: Matrix3<f64>,
+    strength: f64,
+    vertical: f64,
     frames: f64,
     weight: f64,
     sum: Vector3<f64>,
@@ -38,30 +34,29 @@ pub(super) struct Spread {
 }
 
 impl Spread {
-    pub fn new(before: Before) -> Self {
-        Self { before, ..Self::default() }
+    pub fn new(beta: Matrix3<f64>, strength: f64, vertical: f64) -> Self {
+        Self { beta, strength, vertical, ..Self::default() }
     }
 
-    /// A frame seen in a direction; its white variance, that of its unevenness, and that of its innovation.
-    pub fn add(&mut self, u: &Vector3<f64>, direction: &Vector3<f64>, white: f64, uneven: f64, s: f64) {
+    /// A frame seen in a direction; the variance of its innovation.
+    pub fn add(&mut self, frame: &Frame, direction: &Vector3<f64>, s: f64) {
+        let u = frame.u;
         self.frames += 1.0;
         self.weight += 1.0 / s;
         self.sum += u / s;
         self.square += u * u.transpose() / s;
-        self.noise += white / s;
+        self.noise += frame.white / s;
         self.direction += direction;
-        self.uneven = uneven;
-    }
-
-    /// The vertical of a frame, and the variance of its tilt.
-    pub fn tilt(&mut self, up: &Vector3<f64>, tilt: f64) {
-        self.up += up;
-        self.tilt = tilt;
+        self.uneven = frame.uneven.variance;
+        if let Some(up) = frame.up {
+            self.up += up;
+            self.tilt = frame.tilt.variance;
+        }
     }
 
     /// Beta has moved by a variance `q` along each axis.
     pub fn walk(&mut self, q: f64) {
-        self.before.beta += Matrix3::from_diagonal_element(q);
+        self.beta += Matrix3::from_diagonal_element(q);
         let less = 1.0 / (1.0 + q * self.noise);
         self.weight *= less;
         self.sum *= less;
@@ -82,10 +77,10 @@ impl Spread {
         let share = self.noise / thickness.max(f64::MIN_POSITIVE) * (1.0 + BEYOND_CHANCE * (2.0 / self.frames).sqrt());
         let along = (t * normal).norm_squared();
         let mean = |sum: &Vector3<f64>| (sum / self.frames).dot(&normal).powi(2);
-        let known = 1.0 / normal.dot(&(self.before.beta * normal)).max(f64::MIN_POSITIVE)
+        let known = 1.0 / normal.dot(&(self.beta * normal)).max(f64::MIN_POSITIVE)
             + (1.0 - share).max(0.0) * thickness * along
-            + mean(&self.direction) * along / (self.before.strength + self.uneven)
-            + mean(&self.up) * along / (self.before.vertical + self.tilt).max(f64::MIN_POSITIVE);
+            + mean(&self.direction) * along / (self.strength + self.uneven)
+            + mean(&self.up) * along / (self.vertical + self.tilt).max(f64::MIN_POSITIVE);
         Some((normal, 1.0 / known))
     }
 }

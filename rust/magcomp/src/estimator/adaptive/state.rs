@@ -15,7 +15,7 @@ mod tests;
 use super::frame::{Frame, Frames};
 use super::parameters::{BESIDE, COUNT, Gaussian, LEAST_VARIANCE, Numbers, STATES, Tau, gradient, see, shape};
 use super::rate::{Over, Rate};
-use super::spread::{Before, Spread};
+use super::spread::Spread;
 use super::tuning::Tuning;
 use crate::math::elementary::ln;
 use crate::noise::{Lasting, Process};
@@ -126,8 +126,8 @@ impl<const N: usize> State<N> {
         self.update(nu, s, pg);
     }
 
-    /// One frame, linear about `lin`; false where lin is none of its.
-    pub fn step(&mut self, lin: &Tau, frame: &Frame, way: Way, tuning: &Tuning) -> bool {
+    /// One frame, linear about `lin`; impossible from here on where lin is none of its.
+    pub fn step(&mut self, lin: &Tau, frame: &Frame, way: Way, tuning: &Tuning) {
         let rough = if tuning.rough && frame.time_ns < way.rough_until_ns { ROUGH * ROUGH } else { 1.0 };
         self.lasts(UNEVEN, Lasting { variance: frame.uneven.variance * rough, ..frame.uneven });
         self.lasts(TILT, frame.tilt);
@@ -140,9 +140,12 @@ impl<const N: usize> State<N> {
             }
         }
         if frame.time_ns < way.done_ns {
-            return true;
+            return;
         }
-        let Some(seen) = see(lin, &frame.u) else { return false };
+        let Some(seen) = see(lin, &frame.u) else {
+            self.log = f64::NEG_INFINITY;
+            return;
+        };
         let mut g = Numbers::<N>::zeros();
         if Self::KNOWS_TAU {
             let by_tau = gradient(lin, &seen.direction, &(seen.offset / seen.radius), 0.0) / seen.slope;
@@ -161,7 +164,7 @@ impl<const N: usize> State<N> {
                 if frame.up.is_some() {
                     self.log += ln(0.5);
                 }
-                return true;
+                return;
             }
             // another place
             self.moves_to(tuning.place, frame.time_ns);
@@ -172,12 +175,9 @@ impl<const N: usize> State<N> {
         self.learn(nu, s, &g, &pg, &way);
         if Self::KNOWS_TAU && tuning.spread {
             self.spread.walk(moved);
-            self.spread.add(&frame.u, &seen.direction, frame.white, frame.uneven.variance, s);
-            if let Some(up) = frame.up {
-                self.spread.tilt(&up, frame.tilt.variance);
-            }
+            self.spread.add(frame, &seen.direction, s);
         }
-        let Some(up) = frame.up else { return true };
+        let Some(up) = frame.up else { return };
         let sine = up.dot(&seen.direction);
         let mu = lin[9].clamp(-STEEPEST, STEEPEST);
         let level =
@@ -197,12 +197,11 @@ impl<const N: usize> State<N> {
         } else {
             self.learn(nu, s, &g, &pg, &way);
         }
-        true
     }
 
-    /// Frames one after the other, linear about `lin`; false where lin is none of theirs.
-    pub fn follow(&mut self, lin: &Tau, frames: &Frames, mut numbers: Range<u64>, way: Way, tuning: &Tuning) -> bool {
-        numbers.all(|number| self.step(lin, frames.at(number), way, tuning))
+    /// Frames one after the other, linear about `lin`.
+    pub fn follow(&mut self, lin: &Tau, frames: &Frames, numbers: Range<u64>, way: Way, tuning: &Tuning) {
+        numbers.for_each(|number| self.step(lin, frames.at(number), way, tuning));
     }
 
     /// Another place, whose strength and vertical part differ from the usual ones by `sd`.
@@ -306,11 +305,8 @@ impl State {
 
     /// What is known now is what is known before what comes.
     pub fn begin_spread(&mut self) {
-        self.spread = Spread::new(Before {
-            beta: self.p.fixed_view::<3, 3>(6, 6).into(),
-            strength: self.p.fixed_view::<3, 3>(0, 0).sum() / 9.0,
-            vertical: self.p[(9, 9)],
-        });
+        let strength = self.p.fixed_view::<3, 3>(0, 0).sum() / 9.0;
+        self.spread = Spread::new(self.p.fixed_view::<3, 3>(6, 6).into(), strength, self.p[(9, 9)]);
     }
 
     /// b may be off by so much more, units per axis, and T, an element on the diagonal.

@@ -28,7 +28,7 @@ fn a_surprise_brings_changes_of_every_kind() {
         assert_eq!((of(Kind::Device).count(), of(Kind::Place).count()), (devices, 2));
         assert_eq!(of(Kind::Device).filter(|it| it.takes_time).count(), devices / 2 * formers);
         assert_eq!(of(Kind::Former).count(), formers);
-        assert!(of(Kind::Former).all(|it| it.known().mean == former.mean));
+        assert!(of(Kind::Former).all(|it| it.now.tau() == former.mean));
         // 60 places and 6 devices an hour, each of two kinds or ways
         let of_place = of(Kind::Place).next().unwrap().now.log - of(Kind::Device).next().unwrap().now.log;
         assert!((of_place - 10.0_f64.ln()).abs() < 1e-9, "{of_place}");

@@ -1,4 +1,9 @@
 use super::*;
+use crate::noise::Lasting;
+
+fn frame(u: Vector3<f64>) -> Frame {
+    Frame { u, white: 1e-4, uneven: Lasting { phi: 1.0, variance: 0.01 }, ..Frame::default() }
+}
 
 /// Turns about z at a height of 0.4, and nods by this amplitude, rad; white noise of 0.01 along each axis; the frames are seen from (0, 0, 0.4).
 fn turned(nod: f64, frames: usize) -> Spread {
@@ -10,13 +15,12 @@ fn turned(nod: f64, frames: usize) -> Spread {
         };
         (0..12).map(|_| uniform()).sum::<f64>() - 6.0
     };
-    let before = Before { beta: Matrix3::from_diagonal_element(0.25), strength: 0.04, vertical: 1.0 };
-    let mut spread = Spread::new(before);
+    let mut spread = Spread::new(Matrix3::from_diagonal_element(0.25), 0.04, 1.0);
     for k in 0..frames {
         let (sin, cos) = (k as f64 * 0.1).sin_cos();
         let noise = Vector3::new(normal(), normal(), normal()) * 0.01;
         let direction = Vector3::new(cos, sin, nod * (k as f64 * 0.37).sin()).normalize();
-        spread.add(&(direction + Vector3::z() * 0.4 + noise), &direction, 1e-4, 0.01, 2e-4);
+        spread.add(&frame(direction + Vector3::z() * 0.4 + noise), &direction, 2e-4);
     }
     spread
 }
@@ -45,7 +49,7 @@ fn an_axis_of_known_mean_directions_is_known() {
     let mut spread = turned(0.0, 0);
     for k in 0..50 {
         let off = Vector3::new(0.0, (f64::from(k) * 0.3).sin(), (f64::from(k) * 0.7).cos()) * 0.2;
-        spread.add(&(Vector3::x() + off), &Vector3::x(), 1e-4, 0.01, 2e-4);
+        spread.add(&frame(Vector3::x() + off), &Vector3::x(), 2e-4);
     }
     let (axis, least) = spread.least(&Matrix3::identity()).expect("frames");
     assert!(axis.x.abs() > 0.99, "{axis}");
