@@ -30,16 +30,14 @@ pub(super) struct Prior {
     pub(super) mean: Vector,
     pub(super) precision: Matrix,
     pub(super) noise_ut2: f64,
-    /// Variance per axis of the unevenness of the place, uT^2.
-    pub(super) place_ut2: f64,
-    /// Seconds over which it is correlated.
-    pub(super) place_s: f64,
+    /// Variance per axis of the unevenness of the place, times the seconds over which it is correlated, uT^2 s.
+    pub(super) place_ut2_s: f64,
 }
 
 impl Prior {
     /// Variance per axis of a group's mean sample, uT^2.
     pub(super) fn variance(&self, mean: &Group) -> f64 {
-        self.noise_ut2 / mean.count + self.place_ut2 * self.place_s / mean.moved_s
+        self.noise_ut2 / mean.count + self.place_ut2_s / mean.moved_s
     }
 }
 

@@ -24,16 +24,18 @@ impl Aided {
         let Phase::Running(running) = &self.phase else { return };
         // after a pause the turn alone may have been wrong: it is no time to recall
         let former = self.former.as_ref().filter(|_| !is_blind);
-        let mut trial = Trial::start(&running.filter, &running.filter, &running.watch, former, &self.tuning);
+        let mut trial = Trial::start(running, &running.filter, former, &self.tuning);
         (trial.is_blind, trial.hold_s) = (is_blind, self.bursts.hold_s(&self.tuning));
         self.bursts.begin();
-        self.phase.doubt(trial);
+        if let Phase::Running(running) = self.phase.take() {
+            self.phase = Phase::Undecided(running, trial);
+        }
     }
 
     /// One sample while the hypotheses run; the filter is as it was, predicted.
     pub(super) fn run_trial(&mut self, step: &Step<'_>) {
         let Phase::Undecided(running, trial) = &mut self.phase else { return };
-        let verdict = trial.step(step, &running.filter, &running.watch, self.former.as_ref(), &self.tuning);
+        let verdict = trial.step(step, running, self.former.as_ref(), &self.tuning);
         let since_ns = trial.onset_ns;
         let event = |kind| Some(Event { kind, since_ns, decided_ns: step.time_ns });
         match verdict {

@@ -6,7 +6,6 @@
 //! then:         h <- R h,  s^2 <- (s + |h| sigma_g dt)^2 + |h|^2 (q_g^2 dt + v),  w <- w exp(-dt motion / 300 s)
 //! f = m + w (h - m),   P_f = P_mm + w s^2 I + w (1 - w) (h - m) (h - m)^T + ...
 //! ```
-//! Source: docs/dev/METHOD-AIDED.md.
 
 use crate::math::elementary::{exp, hypot};
 use nalgebra::{Matrix3, Vector3};

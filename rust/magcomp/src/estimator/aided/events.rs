@@ -10,10 +10,11 @@
 //! the recall of a former calibration are new.
 
 use super::measure::{ALL_BUT_FIELD, Innovation, NONE};
+use super::running::Running;
 use super::state::{FIELD, Filter, HARD_IRON};
 use super::step::{SAMPLE_S, Step};
 use super::tuning::Tuning;
-use super::watch::{Former, Watch};
+use super::watch::Former;
 use crate::estimator::answer::LEAST_TOLD_UT;
 use crate::explanation::{ChangeHypothesis, ChangeKind};
 use crate::math::elementary::gain;
@@ -69,13 +70,8 @@ pub(crate) struct Trial {
 
 impl Trial {
     /// Starts `place` from the filter as it is, and `device` from the field of the place `there`.
-    pub(crate) fn start(
-        filter: &Filter,
-        there: &Filter,
-        watch: &Watch,
-        former: Option<&Former>,
-        tuning: &Tuning,
-    ) -> Self {
+    pub(super) fn start(running: &Running, there: &Filter, former: Option<&Former>, tuning: &Tuning) -> Self {
+        let Running { filter, watch, .. } = running;
         let step_ut = watch.misfit_ut.max(tuning.smallest_step_ut);
         let (mut device, mut place) = (there.clone(), filter.clone());
         let recall = former.filter(|_| watch.fits_former(tuning));
@@ -108,15 +104,15 @@ impl Trial {
         self.place.propagate(step.increment_rad, step.dt_s, &step.noise);
     }
 
-    /// One sample. `filter` is the filter as it was, predicted to now.
-    pub(crate) fn step(
+    /// One sample; the filter is as it was, predicted to now.
+    pub(super) fn step(
         &mut self,
         step: &Step<'_>,
-        filter: &Filter,
-        watch: &Watch,
+        running: &Running,
         former: Option<&Former>,
         tuning: &Tuning,
     ) -> Verdict {
+        let Running { filter, watch, .. } = running;
         self.turn(step);
         if tuning.ramp && self.age_s < tuning.ramp_s {
             let variance = tuning.smallest_step_ut.powi(2) * step.dt_s / tuning.ramp_s;
@@ -162,7 +158,7 @@ impl Trial {
                 is_blind: self.is_blind,
                 hold_s: self.hold_s,
                 was_place: self.was_place || self.is_place,
-                ..Self::start(filter, if held { &self.place } else { filter }, watch, former, tuning)
+                ..Self::start(running, if held { &self.place } else { filter }, former, tuning)
             };
             Verdict::Neither
         })

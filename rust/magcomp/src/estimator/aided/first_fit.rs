@@ -94,18 +94,14 @@ impl FirstFit {
 
     /// No sample has shown the field yet.
     pub(super) fn is_blind(&self) -> bool {
-        self.field() == Vector3::zeros()
+        FIELD.of(&self.x) == Vector3::zeros()
     }
 
     /// What is believed now, to tell noise from the device's motion.
     pub(super) fn known(&self, tuning: &Tuning) -> Known {
         let (bias, axes) = self.gyroscope();
-        let x = Parts { bias, axes, ..parts(&self.x) };
-        Known {
-            x,
-            bias_sd_rad_s: self.bias_variance.sqrt(),
-            axes_sd: if tuning.gyroscope_axes { tuning.axes_sd } else { 0.0 },
-        }
+        let axes_sd = if tuning.gyroscope_axes { tuning.axes_sd } else { 0.0 };
+        Known { x: Parts { bias, axes, ..parts(&self.x) }, bias_sd_rad_s: self.bias_variance.sqrt(), axes_sd }
     }
 
     /// Bias (rad/s) and scale error of the gyroscope.
@@ -132,7 +128,7 @@ impl FirstFit {
         if let Some(answer) = &mut self.answer {
             answer.propagate(step.increment_rad, step.dt_s, &step.noise);
         }
-        let h = step.turn * self.field();
+        let h = step.turn * FIELD.of(&self.x);
         FIELD.set(&mut self.x, &h);
     }
 
@@ -143,10 +139,6 @@ impl FirstFit {
             None if self.widest_rad2 < SHOWN_RAD2 => Missing::Rotation,
             None => Missing::Directions,
         }
-    }
-
-    fn field(&self) -> Vector3<f64> {
-        parts(&self.x).field
     }
 
     /// A sample taken in motion; `up` as far as it is known.
@@ -179,7 +171,7 @@ impl FirstFit {
         }
         let found = filter(&x, &covariance, tuning)?;
         self.refused = found.impossible_field(&POSSIBLE_UT);
-        let is_earthly = self.earth_ut.contains(&self.field().norm());
+        let is_earthly = self.earth_ut.contains(&FIELD.of(&self.x).norm());
         if self.refused.is_some() || !is_earthly || tuning.plausible && !is_plausible(&x, &prior, self.given.is_some())
         {
             // the next fit begins afresh: this may be a valley that leads nowhere, or what was given no longer holds
@@ -224,7 +216,7 @@ impl FirstFit {
         trace += Matrix3::repeat(1.0 / TRACE_VARIANCE);
         // what contradicts a given calibration is not the place's doing
         let misfit_ut2 = if given.is_some() { 0.0 } else { self.misfit_ut2 };
-        Prior { mean, precision, noise_ut2, place_ut2: place_ut2(misfit_ut2, tuning), place_s: tuning.local_time_s }
+        Prior { mean, precision, noise_ut2, place_ut2_s: place_ut2_s(misfit_ut2, tuning) }
     }
 
     /// Covariance of x for the information `before` the samples: that of the fit with what it left.
@@ -235,8 +227,8 @@ impl FirstFit {
         let left = normal.residual_ut2 / freedom - white * (1.0 + 2.0 / freedom.sqrt());
         // no more than the Earth's field itself: more is no place's doing
         self.misfit_ut2 = if tuning.misfit { left.clamp(0.0, STRONGEST_AXIS_UT.powi(2)) } else { 0.0 };
-        let assumed = white + prior.place_ut2 * tuning.local_time_s / mean_t;
-        let found = white + place_ut2(self.misfit_ut2, tuning) * tuning.local_time_s / mean_t;
+        let assumed = white + prior.place_ut2_s / mean_t;
+        let found = white + place_ut2_s(self.misfit_ut2, tuning) / mean_t;
         let share = assumed / found;
         let q = normal.back;
         let eigen = (Matrix3::identity() - q.transpose() * q).symmetric_eigen();
@@ -277,9 +269,9 @@ fn is_plausible(x: &Vector, prior: &Prior, has_offset: bool) -> bool {
     off.dot(&(prior.precision * off)) < count + 2.0 * (2.0 * count).sqrt()
 }
 
-/// Variance per axis of the field of a place, of which the latest fit left so much, uT^2.
-fn place_ut2(misfit_ut2: f64, tuning: &Tuning) -> f64 {
-    if tuning.unevenness { tuning.place_ut.powi(2) + misfit_ut2 } else { 0.0 }
+/// Variance per axis of the field of a place, of which the latest fit left so much, times the seconds over which it is correlated, uT^2 s.
+fn place_ut2_s(misfit_ut2: f64, tuning: &Tuning) -> f64 {
+    if tuning.unevenness { (tuning.place_ut.powi(2) + misfit_ut2) * tuning.local_time_s } else { 0.0 }
 }
 
 /// Variance of the direction of `h`: about `up` where it is known, of the worst axis else, rad^2.

@@ -7,6 +7,7 @@
 //! While a fit leaves more than a place does, the oldest groups go: a device that changed during its start is known soon after.
 //! Source: docs/dev/METHOD-AIDED.md, Start.
 
+use arrayvec::ArrayVec;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use super::state::Parts;
@@ -51,32 +52,33 @@ impl Group {
 /// The groups, the oldest first; the last one is being filled.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Groups {
-    groups: [Group; GROUPS],
-    used: usize,
+    groups: ArrayVec<Group, GROUPS>,
     longest_s: f64,
 }
 
 impl Default for Groups {
     fn default() -> Self {
-        Self { groups: [Group::default(); GROUPS], used: 1, longest_s: SHORTEST_S }
+        Self { groups: [Group::default()].into_iter().collect(), longest_s: SHORTEST_S }
     }
 }
 
 impl Groups {
     /// All groups are used, at their longest: a new one replaces the oldest.
     pub(super) fn is_full(&self) -> bool {
-        self.used == GROUPS && self.longest_s >= LONGEST_S
+        self.groups.is_full() && self.longest_s >= LONGEST_S
     }
 
     /// A step of the gyroscope, its errors not removed.
     pub(super) fn turn(&mut self, increment_rad: &Vector3<f64>, dt_s: f64) {
-        let group = &mut self.groups[self.used - 1];
+        let latest = self.groups.len() - 1;
+        let group = &mut self.groups[latest];
         group.back *= group.turned.step(increment_rad, dt_s).transpose();
     }
 
     /// A sample after that step. Returns whether a group is full.
     pub(super) fn add(&mut self, raw_ut: &Vector3<f64>, rate_rad_s: &Vector3<f64>, dt_s: f64) -> bool {
-        let group = &mut self.groups[self.used - 1];
+        let latest = self.groups.len() - 1;
+        let group = &mut self.groups[latest];
         group.back += Matrix3::identity();
         group.raw_ut += raw_ut;
         group.rate_rad_s += rate_rad_s;
@@ -87,27 +89,21 @@ impl Groups {
 
     /// Drops the oldest quarter.
     pub(super) fn forget(&mut self) {
-        let gone = self.used / 4;
-        self.groups.copy_within(gone.., 0);
-        self.used -= gone;
+        self.groups.drain(..self.groups.len() / 4);
     }
 
     /// Begins another group.
     pub(super) fn close(&mut self) {
-        if self.used == GROUPS {
-            if self.longest_s < LONGEST_S {
-                self.longest_s *= 2.0;
-                for k in 0..GROUPS / 2 {
-                    self.groups[k] = self.groups[2 * k].joined(&self.groups[2 * k + 1]);
-                }
-                self.used = GROUPS / 2;
-            } else {
-                self.groups.copy_within(1.., 0);
-                self.used -= 1;
+        if self.is_full() {
+            self.groups.remove(0);
+        } else if self.groups.is_full() {
+            self.longest_s *= 2.0;
+            for k in 0..GROUPS / 2 {
+                self.groups[k] = self.groups[2 * k].joined(&self.groups[2 * k + 1]);
             }
+            self.groups.truncate(GROUPS / 2);
         }
-        self.groups[self.used] = Group::default();
-        self.used += 1;
+        self.groups.push(Group::default());
     }
 
     /// Means over each group, from the latest back to the first, for the field now, and bias and scale error, of `x`.
@@ -116,7 +112,7 @@ impl Groups {
         // from now to the group's end, and what g and s do to the field there
         let mut back = Matrix3::identity();
         let mut by_gyroscope = SMatrix::<f64, 3, 12>::zeros();
-        self.groups[..self.used].iter().rev().filter_map(move |group| {
+        self.groups.iter().rev().filter_map(move |group| {
             let Turned { turn, by_gyroscope: of_group, .. } = group.turned;
             let off = group.turned.added(&x);
             let leads = (back * x.field).cross_matrix() * of_group;

@@ -6,12 +6,12 @@
 //! undecided or disturbed: the calibration holds, the hypotheses run
 //! else update, unless gated; learn the noises
 //! ```
-//! Source: docs/dev/METHOD-AIDED.md.
 
 use super::Aided;
 use super::measure::NONE;
-use super::phase::{Phase, Running};
+use super::phase::Phase;
 use super::propagate::ProcessNoise;
+use super::running::Running;
 use super::state::{DELAY, FIELD, HARD_IRON, LOCAL};
 use super::step::Step;
 use crate::estimator::answer::Answer;

@@ -1,7 +1,7 @@
 //! The aided estimator: gyroscope and gravity beside the magnetometer.
 //!
 //! One file an idea: `state` · `propagate` · `measure` · `adapt` (noise) · `motion` (rest, up) · `earth` (in a new place) · `watch` (samples
-//! that do not fit) · `turned` (over several samples) · `quarantine`, `bursts` (magnets that are passed) · `recent` (delay) · `events` (hypotheses) · `first_fit`, `batch`, `groups` · `phase` (start, filter, hypotheses: one owner) · `start` · one sample: `step`, `sense`, `learn`, `decide`,
+//! that do not fit) · `turned` (over several samples) · `quarantine`, `bursts` (magnets that are passed) · `recent` (delay) · `events` (hypotheses) · `first_fit`, `batch`, `groups` · `running` (filter) · `phase` (start, filter, hypotheses: one owner) · `start` · one sample: `step`, `sense`, `learn`, `decide`,
 //! `publish` · `explain` (for people). The derivation is in docs/dev/METHOD-AIDED.md.
 
 mod adapt;
@@ -21,6 +21,7 @@ mod propagate;
 mod publish;
 mod quarantine;
 mod recent;
+mod running;
 mod sense;
 mod start;
 mod state;
@@ -218,7 +219,8 @@ impl Aided {
             });
             (status, answer)
         } else {
-            let (status, answer) = self.without_rotation(&raw_ut, up, dt_s);
+            self.without_rotation(&raw_ut, up, dt_s.unwrap_or(0.0));
+            let (status, answer) = self.held(&raw_ut);
             (status, answer.without_gyroscope(up))
         };
         (answer.up, answer.event) = (self.motion.up, self.event);

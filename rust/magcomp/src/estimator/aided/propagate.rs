@@ -43,6 +43,15 @@ pub(crate) struct ProcessNoise {
     pub(crate) local_time_s: f64,
 }
 
+/// F dx, of m and d: dm'/dm, dd'/dd, and what both lose with what is added to the turn.
+#[inline(always)]
+fn changed(f: [Matrix3<f64>; 4], dx: &Parts, added: &Vector3<f64>) -> Vector6<f64> {
+    let [m_by_m, d_by_d, m_by_turn, d_by_turn] = f;
+    let m = m_by_m * dx.field - m_by_turn * added;
+    let d = d_by_d * dx.local - d_by_turn * added;
+    Vector6::new(m.x, m.y, m.z, d.x, d.y, d.z)
+}
+
 impl ProcessNoise {
     /// Variance of a step's turn per axis, rad^2.
     pub(crate) fn turn_rad2(&self, dt_s: f64) -> f64 {
@@ -80,23 +89,17 @@ impl Filter {
         let (m_by_m, d_by_d) = (turn.rotation, turn.rotation * fade);
         let Parts { field: m, local: d, .. } = self.parts();
         let (m_by_turn, d_by_turn) = (m.cross_matrix() * turn.left_jacobian, d.cross_matrix() * turn.left_jacobian);
-        // F dx, of m and d
-        let times = |dx: &Parts| {
-            let added = added(dx);
-            let m = m_by_m * dx.field - m_by_turn * added;
-            let d = d_by_d * dx.local - d_by_turn * added;
-            Vector6::new(m.x, m.y, m.z, d.x, d.y, d.z)
-        };
+        let times = |dx: Parts| changed([m_by_m, d_by_d, m_by_turn, d_by_turn], &dx, &added(&dx));
         let p = &mut self.covariance;
         let places = || FIELD.range().chain(LOCAL.range());
         // P F^T: in each row the numbers of m and d; what d has in common with others fades, and ends before it costs more than a number
         for k in 0..STATES {
-            let row = times(&Parts::of(|i| p[(k, i)])).map(faded);
+            let row = times(Parts::of(|i| p[(k, i)])).map(faded);
             places().zip(&row).for_each(|(i, value)| p[(k, i)] = *value);
         }
         // F (P F^T): the rows of m and d, which but for their own columns are the columns mirrored
         for k in places() {
-            let column = times(&Parts::of(|i| p[(i, k)]));
+            let column = times(Parts::of(|i| p[(i, k)]));
             places().zip(&column).for_each(|(i, value)| p[(i, k)] = *value);
         }
         for i in places().rev() {

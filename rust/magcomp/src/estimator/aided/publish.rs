@@ -34,7 +34,7 @@ impl Aided {
         let covariances = self
             .covariances
             .filter(|_| !self.frame.is_empty())
-            .unwrap_or_else(|| self.covariances_ut2(step, filter, &w, &f));
+            .unwrap_or_else(|| self.covariance_ut2(step, filter, &w, &f));
         self.covariances = Some(covariances);
         let [p_c, p_f] = covariances;
         let (c, f) = (Gaussian { mean: c, covariance: p_c }, Gaussian { covariance: p_f, ..f });
@@ -44,13 +44,7 @@ impl Aided {
     }
 
     /// P_c and P_f, uT^2.
-    fn covariances_ut2(
-        &self,
-        step: &Step<'_>,
-        filter: &Filter,
-        w: &Matrix3<f64>,
-        f: &Gaussian<3>,
-    ) -> [Matrix3<f64>; 2] {
+    fn covariance_ut2(&self, step: &Step<'_>, filter: &Filter, w: &Matrix3<f64>, f: &Gaussian<3>) -> [Matrix3<f64>; 2] {
         let Gaussian { mean: f, covariance: elsewhere } = f;
         let swing = filter.parts().true_rate(step.rate_rad_s).cross(f);
         let timing = swing * swing.transpose() * filter.own(DELAY).x;

@@ -4,7 +4,6 @@
 //! turn = (I - S) increment - g dt      with what is known of g and S so far
 //! walk of b: the least at rest, what is learned in full motion
 //! ```
-//! Source: docs/dev/METHOD-AIDED.md.
 
 use crate::math::elementary::hypot;
 use nalgebra::Vector3;

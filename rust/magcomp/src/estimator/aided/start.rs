@@ -2,23 +2,21 @@
 //!
 //! A given calibration is what the first fit knows before any sample; it is dropped when the samples make it unlikely.
 //! Without rotations the direction of the field is lost; its strength and the calibration are not, and wait.
-//! Source: docs/dev/METHOD-AIDED.md.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::Aided;
 use super::first_fit::{Before, FirstFit};
-use super::phase::{Phase, Running};
+use super::phase::Phase;
 use super::quarantine::Quarantine;
 use super::recent::Recent;
+use super::running::Running;
 use super::state::{CALIBRATION, FIELD, HARD_IRON_ALONE, SOFT_IRON_ALONE};
 use super::watch::Watch;
 use crate::calibration::Given;
-use crate::estimator::answer::Answer;
 use crate::explanation::SampleUse;
 use crate::math::gaussian::Gaussian;
 use crate::math::symmetric::six;
-use crate::reading::Status;
 use crate::sensing::frame::Frame;
 
 impl Aided {
@@ -50,12 +48,7 @@ impl Aided {
     }
 
     /// No usable rotation for this sample: the first one, a gap, or no gyroscope.
-    pub(super) fn without_rotation(
-        &mut self,
-        raw_ut: &Vector3<f64>,
-        up: Option<Vector3<f64>>,
-        dt_s: Option<f64>,
-    ) -> (Status, Answer) {
+    pub(super) fn without_rotation(&mut self, raw_ut: &Vector3<f64>, up: Option<Vector3<f64>>, dt_s: f64) {
         self.was_broken |= self.chain_s > 0.0;
         self.chain_s = 0.0;
         self.judged = Some((SampleUse::NoRotation, None));
@@ -64,7 +57,6 @@ impl Aided {
         self.recent = Recent::default();
         self.frame = Frame::default();
         self.quarantine = Quarantine::default();
-        let dt_s = dt_s.unwrap_or(0.0);
         match self.phase.take() {
             // the chain of rotations is broken; a calibration that was given may still hold
             Phase::Starting(first) => self.begin(first.given),
@@ -81,6 +73,5 @@ impl Aided {
                 }
             }
         }
-        self.held(raw_ut)
     }
 }
