@@ -7,7 +7,7 @@ mod tests;
 
 use super::filter::{Filter, Kind, Leap};
 use super::frame::{Frame, Frames, MOST as FRAMES, Noise};
-use super::parameters::{Gaussian, LEAST_VARIANCE, NOTHING, Tau, TauMatrix, centre, shape, tau_of};
+use super::parameters::{COUNT, Gaussian, LEAST_VARIANCE, NOTHING, Tau, TauMatrix, centre, shape, tau_of};
 use super::state::State;
 use super::tuning::Tuning;
 use crate::calibration::Given;
@@ -48,7 +48,6 @@ pub(super) struct Bank {
     pub noise: Noise,
     former: Option<Gaussian>,
     next_id: u32,
-    turn: usize,
     unit_ut: f64,
     looked: u64,
     mirrored: u64,
@@ -65,8 +64,7 @@ impl Bank {
         self.all.clear();
         self.frames.clear();
         self.former = None;
-        (self.next_id, self.turn) = (0, 0);
-        (self.looked, self.mirrored) = (0, 0);
+        (self.next_id, self.looked, self.mirrored) = (0, 0, 0);
     }
 
     /// Other noise is believed, and the frames are judged again with it.
@@ -186,7 +184,7 @@ impl Bank {
         let ways: &[bool] = if surprised && tuning.gradual { &[false, true] } else { &[false] };
         for ((size, step), takes_time) in sizes.flat_map(|size| ways.iter().map(move |way| (size, *way))) {
             let mut base = state.clone();
-            base.take_for_known(&honest);
+            base.p.fixed_view_mut::<COUNT, COUNT>(0, 0).copy_from(&honest.covariance);
             base.widen(step / self.unit_ut, IRON_PER_UT * step * scale);
             base.begin_spread();
             base.log = log(tuning.devices_per_h) - LN_2;
@@ -254,10 +252,9 @@ impl Bank {
     fn settle(&mut self, tuning: &Tuning) {
         let mut left = BUDGET;
         let order = self.order();
-        self.turn += 1;
         let n = self.all.len();
         for place in 0..n {
-            let k = order[if place == 0 { 0 } else { 1 + (place + self.turn) % (n - 1).max(1) }];
+            let k = order[if place == 0 { 0 } else { 1 + (place + self.frames.next as usize) % (n - 1).max(1) }];
             let filter = &mut self.all[k];
             let length = filter.length(&self.frames);
             let is_settled = length >= KNOWN_FRAMES && filter.is_known() && !filter.wants_run();

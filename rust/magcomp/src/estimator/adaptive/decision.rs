@@ -36,7 +36,6 @@ impl Decision {
         let beyond = beyond_earth(&best.now.tau(), unit_ut) > told;
         self.elsewhere =
             best.now.place_ns.filter(|ns| off && since(*ns) < tuning.new_place_s).or(beyond.then_some(best.onset_ns));
-        let place_sure = bank.probability(|it| it.now.place_ns == best.now.place_ns) > 1.0 - RARE;
         // the device
         let known = best.now.tau();
         let Some(before) = self.told.filter(|_| best.kind != Kind::Cold) else {
@@ -64,7 +63,7 @@ impl Decision {
             && best.now.place_ns == Some(ns)
             && self.told_place != Some(ns)
             && since(ns) >= tuning.change_s
-            && place_sure
+            && bank.probability(|it| it.now.place_ns == best.now.place_ns) > 1.0 - RARE
         {
             self.told_place = Some(ns);
             self.event = Some(Event { kind: EventKind::PlaceChanged, since_ns: ns, decided_ns: time_ns });

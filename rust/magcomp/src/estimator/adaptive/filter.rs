@@ -24,8 +24,9 @@ const NEAR: f64 = 0.04;
 const KNOWN_DEG: f64 = 0.8;
 
 /// What a hypothesis says has changed at its onset.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(super) enum Kind {
+    #[default]
     Cold,
     Device,
     Place,
@@ -46,7 +47,7 @@ pub(super) struct Leap {
     pub step: f64,
 }
 
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Filter {
     pub kind: Kind,
     pub id: u32,
@@ -82,30 +83,8 @@ impl Filter {
     pub fn new(kind: Kind, mut base: State, lin: Tau, first: u64, onset_ns: i64) -> Self {
         base.rate = Rate::default();
         let (now, fixed) = (base.clone(), base.fixed());
-        Self {
-            kind,
-            id: 0,
-            parent: 0,
-            size: 0,
-            moves: false,
-            takes_time: false,
-            onset_ns,
-            begun: first,
-            base,
-            first,
-            lin,
-            now,
-            age: 0.0,
-            former: None,
-            leap: None,
-            error: f64::MAX,
-            scale_sd: None,
-            stuck: false,
-            gain: 0.0,
-            seen: Vector3::zeros(),
-            frames: 0.0,
-            fixed,
-        }
+        let begun = first;
+        Self { kind, onset_ns, begun, base, first, lin, now, error: f64::MAX, fixed, ..Self::default() }
     }
 
     /// The same from this frame on, but b moves as these rates do, or rests.

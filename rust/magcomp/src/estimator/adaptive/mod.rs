@@ -74,7 +74,6 @@ pub(crate) struct Adaptive {
     grouping: Grouping,
     stay: Stay,
     latest_ns: Option<i64>,
-    frame_ns: Option<i64>,
     published: Option<Published>,
     worst: f64,
     decision: Decision,
@@ -121,7 +120,6 @@ impl Adaptive {
             grouping: Grouping::default(),
             stay: Stay { latest_ns: i64::MAX, ..Stay::default() },
             latest_ns: None,
-            frame_ns: None,
             published: None,
             worst: 0.0,
             decision: Decision::default(),
@@ -194,8 +192,8 @@ impl Adaptive {
             return;
         };
         let (u, up, count) = (pooled.mean(), pooled.up.try_normalize(0.5 * pooled.count), count * pooled.count);
-        let seconds = self.frame_ns.map_or(tuning.frame_s, |before| seconds(before, time_ns));
-        self.frame_ns = Some(time_ns);
+        let before = self.bank.frames.next.checked_sub(1).map(|number| self.bank.frames.at(number).time_ns);
+        let seconds = before.map_or(tuning.frame_s, |before| seconds(before, time_ns));
         let noise = self.noise();
         if self.bank.frames.next == 0 {
             self.bank.noise = noise;
@@ -220,7 +218,7 @@ impl Adaptive {
             .is_some_and(|best| best.now.odd > 0 || best.now.place_ns == Some(time_ns) || best.onset_ns == time_ns);
         self.usage = Some(if is_odd { SampleUse::Gated } else { SampleUse::Used });
         self.publish(time_ns);
-        if let Some(seen) = self.given_known.and_then(|known| parameters::see(&known.mean, &u)) {
+        if let Some(seen) = self.given_known.as_ref().and_then(|known| parameters::see(&known.mean, &u)) {
             self.seen += seen.direction;
             self.groups += 1;
         }

@@ -68,11 +68,6 @@ pub(super) fn ten(six: &SVector<f64, 6>, three: &Vector3<f64>, last: f64) -> Tau
     Tau::from_column_slice(&[xx, yy, zz, xy, xz, yz, three.x, three.y, three.z, last])
 }
 
-/// d(a^T T b)/dT.
-pub(super) fn products(a: &Vector3<f64>, b: &Vector3<f64>) -> SVector<f64, 6> {
-    SVector::from(PLACES.map(|(i, j)| if i == j { a[i] * b[i] } else { a[i] * b[j] + a[j] * b[i] }))
-}
-
 /// tau of T and beta, without a vertical part.
 pub(super) fn tau_of(t: &Matrix3<f64>, beta: &Vector3<f64>) -> Tau {
     ten(&six(t), beta, 0.0)
@@ -119,5 +114,7 @@ pub(super) fn see(tau: &Tau, u: &Vector3<f64>) -> Option<Seen> {
 
 /// d(along.T (u - beta) - last s)/dtau at a sample.
 pub(super) fn gradient(tau: &Tau, along: &Vector3<f64>, offset: &Vector3<f64>, last: f64) -> Tau {
-    ten(&products(along, offset), &-(shape(tau) * along), -last)
+    let by_shape =
+        PLACES.map(|(i, j)| if i == j { along[i] * offset[i] } else { along[i] * offset[j] + along[j] * offset[i] });
+    ten(&SVector::from(by_shape), &-(shape(tau) * along), -last)
 }

@@ -71,6 +71,20 @@ pub(super) struct State<const N: usize = STATES> {
     pub place_ns: Option<i64>,
 }
 
+impl<const N: usize> Default for State<N> {
+    fn default() -> Self {
+        Self {
+            x: Numbers::zeros(),
+            p: SMatrix::zeros(),
+            rate: Rate::default(),
+            spread: Spread::default(),
+            odd: 0,
+            log: 0.0,
+            place_ns: None,
+        }
+    }
+}
+
 impl<const N: usize> State<N> {
     /// Where the numbers beside tau begin.
     const AT: usize = N - BESIDE;
@@ -241,15 +255,7 @@ impl<const N: usize> State<N> {
 impl State {
     /// Nothing of the place is known.
     pub fn new(known: &Gaussian, uneven: f64, tilt: f64) -> Self {
-        let mut state = Self {
-            x: Numbers::zeros(),
-            p: SMatrix::zeros(),
-            rate: Rate::default(),
-            spread: Spread::default(),
-            odd: 0,
-            log: 0.0,
-            place_ns: None,
-        };
+        let mut state = Self::default();
         for (at, variance) in [(LEVEL, LEAST_VARIANCE), (TILTED, LEAST_VARIANCE), (UNEVEN, uneven), (TILT, tilt)] {
             state.p[(COUNT + at, COUNT + at)] = variance;
         }
@@ -277,11 +283,9 @@ impl State {
         State {
             x: self.x.fixed_rows::<BESIDE>(COUNT).into(),
             p: self.p.fixed_view::<BESIDE, BESIDE>(COUNT, COUNT).into(),
-            rate: Rate::default(),
-            spread: Spread::default(),
             odd: self.odd,
-            log: 0.0,
             place_ns: self.place_ns,
+            ..State::default()
         }
     }
 
@@ -316,11 +320,6 @@ impl State {
             self.p[(3 + i, 3 + i)] += (FRAC_1_SQRT_2 * iron).powi(2);
             self.p[(6 + i, 6 + i)] += step.powi(2);
         }
-    }
-
-    /// Takes what is known of T, beta and mu for as sure as this.
-    pub fn take_for_known(&mut self, honest: &Gaussian) {
-        self.p.fixed_view_mut::<COUNT, COUNT>(0, 0).copy_from(&honest.covariance);
     }
 
     /// T, beta and mu.
