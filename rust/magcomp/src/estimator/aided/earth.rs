@@ -24,8 +24,8 @@ pub(crate) struct Earth {
     field_ut: Vector3<f64>,
     /// s, per axis, uT.
     sd_ut: f64,
-    /// w.
-    probability: f64,
+    /// w: above a half it is likelier another than that of the place.
+    pub(super) probability: f64,
 }
 
 impl Earth {
@@ -60,11 +60,6 @@ impl Earth {
         let (w, off_ut) = (earth.probability, earth.field_ut - m);
         let drifted = Matrix3::from_diagonal_element(w * earth.sd_ut * earth.sd_ut);
         Gaussian { mean: m + off_ut * w, covariance: drifted + off_ut * off_ut.transpose() * (w * (1.0 - w)) }
-    }
-
-    /// Whether the field of the place is likelier another than the Earth's.
-    pub(crate) fn is_elsewhere(&self) -> bool {
-        self.probability > 0.5
     }
 
     /// Whether the field of `found` is it again, where that of `carried` was not.

@@ -192,8 +192,7 @@ impl Aided {
         inertial: &PairedInertial,
         is_blank: bool,
     ) -> (Status, Answer) {
-        let dt_s = self.last_ns.map(|last| seconds(last, time_ns));
-        self.last_ns = Some(time_ns);
+        let dt_s = self.last_ns.replace(time_ns).map(|last| seconds(last, time_ns));
         let up = inertial.up_m_s2;
         let (status, mut answer) = if let (Some(rotation), Some(dt_s)) = (&inertial.rotation, dt_s) {
             self.recent.add(&rotation.increment_rad, dt_s, &raw_ut, is_blank);

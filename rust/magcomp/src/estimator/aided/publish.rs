@@ -108,7 +108,7 @@ impl Aided {
             Phase::Undecided(_, trial) if trial.is_place => Status::Disturbed { since_ns: trial.onset_ns },
             Phase::Undecided(_, trial) => Status::Suspect { since_ns: trial.onset_ns },
             Phase::Running(running) => {
-                if let Some(earth) = running.earth.as_ref().filter(|earth| earth.is_elsewhere()) {
+                if let Some(earth) = running.earth.as_ref().filter(|earth| earth.probability > 0.5) {
                     Status::Disturbed { since_ns: earth.since_ns }
                 } else if let Some(error) = running.filter.impossible_field(&EARTH_UT) {
                     Status::Held(HoldReason::FitRefused(error))

@@ -33,7 +33,6 @@ impl Aided {
         };
         let turned_rad = known.x.turned(&rotation.increment_rad, dt_s);
         let turn = Turn::by(&-turned_rad).rotation;
-        let angle_rad = turned_rad.norm();
         self.motion.step(&rotation.rate_rad_s, &known, dt_s, tuning);
         self.motion.carry_up(&turn, up, &known, rotation.variance_rad2, dt_s, tuning);
         let Entry { raw_ut, is_blank, .. } = sample;
@@ -50,19 +49,16 @@ impl Aided {
             local_time_s: tuning.local_time_s,
         };
         let rest_sd_rad_s = tuning.unknown_bias_rad_s() * (SAMPLE_S / dt_s).sqrt();
+        let delayed_rad_s = self.recent.mean_rad_s(known.x.delay + late_s).filter(|_| tuning.recent);
         Step {
             time_ns,
             raw_ut,
             is_blank: *is_blank,
             rate_rad_s: &rotation.rate_rad_s,
-            delayed_rad_s: self
-                .recent
-                .mean_rad_s(known.x.delay + late_s)
-                .filter(|_| tuning.recent)
-                .unwrap_or(rotation.rate_rad_s),
+            delayed_rad_s: delayed_rad_s.unwrap_or(rotation.rate_rad_s),
             increment_rad: &rotation.increment_rad,
             turn,
-            angle_rad,
+            angle_rad: turned_rad.norm(),
             dt_s,
             noise,
             sigma_ut: self.adaptation.sample.sigma_ut(),
