@@ -188,8 +188,7 @@ impl Bank {
             base.widen(step / self.unit_ut, IRON_PER_UT * step * scale);
             base.begin_spread();
             base.log = log(tuning.devices_per_h) - LN_2;
-            let lin = known.mean;
-            let mut child = child(Kind::Device, base, lin, of_device, size);
+            let mut child = child(Kind::Device, base, known.mean, of_device, size);
             child.takes_time = takes_time;
             child.leap = (tuning.leap && size == 9 && number > LATELY).then(|| Leap {
                 known: honest,

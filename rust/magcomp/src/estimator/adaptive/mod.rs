@@ -136,13 +136,8 @@ impl Adaptive {
     pub fn push(&mut self, time_ns: i64, raw_ut: &Vector3<f64>, up_m_s2: Option<Vector3<f64>>) -> (Status, Answer) {
         let u = raw_ut / self.unit_ut;
         let up = up_m_s2.and_then(|up| calm(&up));
-        if let Some(latest) = self.latest_ns {
-            let seconds = seconds(latest, time_ns);
-            if seconds < 1.0 {
-                self.period_s = seconds;
-            }
-        }
-        self.latest_ns = Some(time_ns);
+        let period_s = self.latest_ns.replace(time_ns).map(|latest| seconds(latest, time_ns));
+        self.period_s = period_s.filter(|it| *it < 1.0).unwrap_or(self.period_s);
         if self.count >= 2 {
             let square = (u - self.raw[1] * 2.0 + self.raw[0]).norm_squared() / (3.0 * 6.0);
             // values that repeat for ever leave nothing, and no number so small that it is slow
@@ -163,11 +158,8 @@ impl Adaptive {
 
     /// White variance of a sample, units^2.
     fn white(&self) -> f64 {
-        let v = if self.second.value() >= (self.tuning.frame_ut / self.unit_ut).powi(2) {
-            self.differing.value()
-        } else {
-            self.second.value()
-        };
+        let v = self.second.value();
+        let v = if v >= (self.tuning.frame_ut / self.unit_ut).powi(2) { self.differing.value() } else { v };
         v.max((self.tuning.floor_ut / self.unit_ut).powi(2))
     }
 

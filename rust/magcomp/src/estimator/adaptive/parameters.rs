@@ -6,7 +6,9 @@
 mod tests;
 
 use crate::ellipsoid::mean_square_angle;
-use crate::math::symmetric::{PLACES, basis, six, symmetric};
+/// T of tau.
+pub(super) use crate::math::symmetric::symmetric as shape;
+use crate::math::symmetric::{PLACES, basis, six};
 use crate::strength::EARTH_UT;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
@@ -50,11 +52,6 @@ impl Gaussian {
         let (of_t, of_beta) = (self.covariance.fixed_view::<6, 6>(0, 0), self.covariance.fixed_view::<3, 3>(6, 6));
         mean_square_angle(&basis().map(|dt| dt * inverse), &of_t.into(), &t, &of_beta.into())
     }
-}
-
-/// T.
-pub(super) fn shape(tau: &Tau) -> Matrix3<f64> {
-    symmetric(tau)
 }
 
 /// beta.

@@ -69,8 +69,7 @@ impl Published {
         let t = shape(&self.known.mean);
         let strength = self.strength_of(&t);
         let inverse = t.try_inverse()? * (self.unit_ut / strength);
-        let soft_iron = (inverse + inverse.transpose()) * 0.5;
-        Calibration::from_symmetric(soft_iron, centre(&self.known.mean) * self.unit_ut, strength).ok()
+        Calibration::from_symmetric(inverse.symmetric_part(), centre(&self.known.mean) * self.unit_ut, strength).ok()
     }
 
     /// Covariance of [b_x b_y b_z (uT), m_xx m_yy m_zz m_xy m_xz m_yz]: of tau, through
@@ -86,11 +85,11 @@ impl Published {
             if self.strength_ut.is_none() {
                 dm += m * by_shape[k];
             }
-            jacobian.fixed_view_mut::<6, 1>(3, k).copy_from(&six(&((dm + dm.transpose()) * 0.5)));
+            jacobian.fixed_view_mut::<6, 1>(3, k).copy_from(&six(&dm.symmetric_part()));
         }
         (0..3).for_each(|i| jacobian[(i, 6 + i)] = self.unit_ut);
         let covariance = jacobian * self.known.covariance.fixed_view::<9, 9>(0, 0) * jacobian.transpose();
-        Some((covariance + covariance.transpose()) * 0.5)
+        Some(covariance.symmetric_part())
     }
 }
 
