@@ -41,9 +41,10 @@ impl Prior {
     }
 }
 
-/// The cost at x with its derivatives, and what the samples say of the residuals.
+/// A place x: the cost there with its derivatives, and what the samples say of the residuals.
 #[derive(Default)]
 pub(super) struct Normal {
+    pub(super) x: Vector,
     pub(super) cost: f64,
     pub(super) curvature: Matrix,
     pub(super) slope: Vector,
@@ -62,36 +63,30 @@ struct Batch<'a> {
     prior: &'a Prior,
 }
 
-/// x, and the cost there.
-struct Fitted {
-    x: Vector,
-    normal: Normal,
-}
-
 impl Batch<'_> {
     /// x with b and e at their best for its (h, g, tau, s).
-    fn place(&self, mut x: Vector) -> Option<Fitted> {
+    fn place(&self, mut x: Vector) -> Option<Normal> {
         CALIBRATION.set(&mut x, &SVector::zeros());
         let at = normal(self.groups, self.prior, &x);
         let linear = CALIBRATION.block(&at.curvature).cholesky()?;
         CALIBRATION.set(&mut x, &linear.solve(&CALIBRATION.of(&at.slope)));
-        Some(Fitted { x, normal: normal(self.groups, self.prior, &x) })
+        Some(normal(self.groups, self.prior, &x))
     }
 }
 
 impl Cost<UNKNOWNS> for Batch<'_> {
-    type Place = Fitted;
+    type Place = Normal;
 
-    fn value(&self, at: &Fitted) -> f64 {
-        at.normal.cost
+    fn value(&self, at: &Normal) -> f64 {
+        at.cost
     }
 
-    fn derivatives(&self, at: &Fitted) -> Derivatives<UNKNOWNS> {
-        Derivatives { gradient: -at.normal.slope, hessian: at.normal.curvature }
+    fn derivatives(&self, at: &Normal) -> Derivatives<UNKNOWNS> {
+        Derivatives { gradient: -at.slope, hessian: at.curvature }
     }
 
     /// The curvature that is left once b and e have adapted.
-    fn scale(&self, _at: &Fitted, hessian: &Matrix) -> Vector {
+    fn scale(&self, _at: &Normal, hessian: &Matrix) -> Vector {
         let Some(linear) = CALIBRATION.block(hessian).cholesky() else { return hessian.diagonal() };
         let cross = hessian.fixed_rows::<9>(CALIBRATION.start()).into_owned();
         let adapted = linear.solve(&cross);
@@ -104,23 +99,23 @@ impl Cost<UNKNOWNS> for Batch<'_> {
         })
     }
 
-    fn after(&self, from: &Fitted, step: &Vector) -> Option<Fitted> {
+    fn after(&self, from: &Normal, step: &Vector) -> Option<Normal> {
         self.place(from.x + step)
     }
 }
 
-/// Descends from a guess of x. Returns x, what is known there, and whether it has converged.
-pub(super) fn fit(groups: &Groups, prior: &Prior, from: Vector) -> Option<(Vector, Normal, bool)> {
+/// Descends from a guess of x. Returns the place, and whether it has converged.
+pub(super) fn fit(groups: &Groups, prior: &Prior, from: Vector) -> Option<(Normal, bool)> {
     let batch = Batch { groups, prior };
     let Descent { place, termination, .. } = descend(&batch, batch.place(from)?, LIMITS, |step| step.gain < CONVERGED);
-    Some((place.x, place.normal, termination != Termination::MaxIterations))
+    Some((place, termination != Termination::MaxIterations))
 }
 
 /// The cost at x with its derivatives.
 fn normal(groups: &Groups, prior: &Prior, x: &Vector) -> Normal {
     let off = x - prior.mean;
     let pull = prior.precision * off;
-    let mut it = Normal { cost: off.dot(&pull), curvature: prior.precision, slope: -pull, ..Normal::default() };
+    let mut it = Normal { x: *x, cost: off.dot(&pull), curvature: prior.precision, slope: -pull, ..Normal::default() };
     let x = parts(x);
     for mean in groups.means(&x) {
         let v = prior.variance(&mean);

@@ -75,11 +75,10 @@ impl Before {
 
 impl FirstFit {
     pub(super) fn new(given: Option<Before>, known_ut: Option<f64>, tuning: &Tuning) -> Self {
+        // M may scale a known strength by three standard deviations
+        let off = BEYOND_CHANCE * tuning.iron_sd;
         let mut it = Self {
-            // M may scale a known strength by three standard deviations
-            earth_ut: known_ut.map_or(EARTH_UT, |it| {
-                it * (1.0 - BEYOND_CHANCE * tuning.iron_sd)..it * (1.0 + BEYOND_CHANCE * tuning.iron_sd)
-            }),
+            earth_ut: known_ut.map_or(EARTH_UT, |it| it * (1.0 - off)..it * (1.0 + off)),
             bias_variance: tuning.bias_sd_rad_s.powi(2),
             ..Self::default()
         };
@@ -160,10 +159,11 @@ impl FirstFit {
 
     fn fit(&mut self, noise_ut2: f64, up: Option<&Vector3<f64>>, tuning: &Tuning) -> Option<Filter> {
         let prior = self.prior(self.given.as_ref(), noise_ut2, tuning);
-        let Some((x, normal, has_converged)) = fit(&self.groups, &prior, self.x) else {
+        let Some((normal, has_converged)) = fit(&self.groups, &prior, self.x) else {
             self.x = prior.mean;
             return None;
         };
+        let x = normal.x;
         self.x = x;
         let covariance = self.covariance(&normal, &prior.precision, &prior, tuning)?;
         if !has_converged {

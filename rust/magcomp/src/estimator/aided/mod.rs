@@ -52,7 +52,6 @@ use phase::Phase;
 use quarantine::Quarantine;
 use recent::Recent;
 use state::{BIAS, CALIBRATION, DELAY, FIELD, FIELD_AND_CALIBRATION, Filter, HARD_IRON};
-/// What an aided estimator is made with.
 pub(crate) use tuning::Tuning;
 use watch::Former;
 
@@ -171,30 +170,24 @@ impl Aided {
     /// The compensator has checked the sample: it is finite, and later than the one before. The pairing has checked the events: they are
     /// within the ranges of phones' sensors.
     pub fn push(&mut self, time_ns: i64, raw_ut: Vector3<f64>, inertial: &PairedInertial) -> (Status, Answer) {
-        self.step(time_ns, raw_ut, inertial, false)
+        self.add(time_ns, raw_ut, inertial, false)
     }
 
     /// A sample whose field is of no use: what is known of the field turns with the device.
     pub fn carry(&mut self, time_ns: i64, inertial: &PairedInertial) -> Answer {
         // where the chain of rotations breaks, nothing better is known than that the field was there
         let expected_ut = self.phase.known().map_or_else(Vector3::zeros, Filter::expected_ut);
-        let (_, mut answer) = self.step(time_ns, expected_ut, inertial, true);
+        let (_, mut answer) = self.add(time_ns, expected_ut, inertial, true);
         // there is no sample that could be corrected
         (answer.field_ut, answer.field_covariance_ut2) = (None, None);
         answer
     }
 
     /// A sample, or only its time where it is blank.
-    fn step(
-        &mut self,
-        time_ns: i64,
-        raw_ut: Vector3<f64>,
-        inertial: &PairedInertial,
-        is_blank: bool,
-    ) -> (Status, Answer) {
+    fn add(&mut self, time_ns: i64, raw_ut: Vector3<f64>, paired: &PairedInertial, is_blank: bool) -> (Status, Answer) {
         let dt_s = self.last_ns.replace(time_ns).map(|last| seconds(last, time_ns));
-        let up = inertial.up_m_s2;
-        let (status, mut answer) = if let (Some(rotation), Some(dt_s)) = (&inertial.rotation, dt_s) {
+        let up = paired.up_m_s2;
+        let (status, mut answer) = if let (Some(rotation), Some(dt_s)) = (&paired.rotation, dt_s) {
             self.recent.add(&rotation.increment_rad, dt_s, &raw_ut, is_blank);
             let waited = self.recent.waited(self.phase.running().map_or(0.0, |it| -it.filter.part(DELAY).x));
             let step = self.sense(time_ns, &waited, rotation, up, dt_s);
