@@ -70,7 +70,7 @@ impl Bank {
     /// Other noise is believed, and the frames are judged again with it.
     pub fn believe(&mut self, noise: &Noise, tuning: &Tuning) {
         self.noise = *noise;
-        self.frames.believe(noise);
+        self.frames.ring.iter_mut().for_each(|frame| frame.believe(noise));
         for filter in self.all.iter_mut() {
             filter.again(&self.frames, tuning, self.unit_ut);
         }

@@ -78,15 +78,13 @@ impl Decision {
         }
         self.take(best);
         self.order = if best.kind == Kind::Former { ModelOrder::Former } else { ModelOrder::All };
-        if moved(&known) {
+        let is_told = |told: Event| {
+            (best.onset_ns.saturating_sub(told.since_ns) as f64) < tuning.change_s * 1e9
+                && told.kind != EventKind::PlaceChanged
+        };
+        if moved(&known) && !self.event.is_some_and(is_told) {
             let kind = if best.kind == Kind::Former { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
-            let told = self.event.is_some_and(|told| {
-                (best.onset_ns.saturating_sub(told.since_ns) as f64) < tuning.change_s * 1e9
-                    && told.kind != EventKind::PlaceChanged
-            });
-            if !told {
-                self.event = Some(Event { kind, since_ns: best.onset_ns, decided_ns: time_ns });
-            }
+            self.event = Some(Event { kind, since_ns: best.onset_ns, decided_ns: time_ns });
         }
     }
 

@@ -72,7 +72,7 @@ pub(super) const MOST: u64 = 256;
 /// The latest frames by their number.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Frames {
-    ring: Roomy<Vec<Frame>>,
+    pub ring: Roomy<Vec<Frame>>,
     pub next: u64,
 }
 
@@ -94,11 +94,6 @@ impl Frames {
             self.ring[(self.next % MOST) as usize] = frame;
         }
         self.next += 1;
-    }
-
-    /// Other noise is believed of all of them.
-    pub fn believe(&mut self, noise: &Noise) {
-        self.ring.iter_mut().for_each(|frame| frame.believe(noise));
     }
 
     pub fn at(&self, number: u64) -> &Frame {

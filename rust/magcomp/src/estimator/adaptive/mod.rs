@@ -80,7 +80,7 @@ pub(crate) struct Adaptive {
     count: u64,
     /// Sum of the directions seen through what was given, and of how many groups.
     seen: Vector3<f64>,
-    groups: u64,
+    groups: f64,
     /// What became of the latest complete group: only told.
     usage: Option<SampleUse>,
 }
@@ -125,7 +125,7 @@ impl Adaptive {
             decision: Decision::default(),
             count: 0,
             seen: Vector3::zeros(),
-            groups: 0,
+            groups: 0.0,
             usage: None,
         };
         new.bank.noise = new.noise();
@@ -212,7 +212,7 @@ impl Adaptive {
         self.publish(time_ns);
         if let Some(seen) = self.given_known.as_ref().and_then(|known| parameters::see(&known.mean, &u)) {
             self.seen += seen.direction;
-            self.groups += 1;
+            self.groups += 1.0;
         }
     }
 
@@ -358,11 +358,8 @@ impl Adaptive {
 
     /// Whether live samples, from directions that differ, agree with the calibration in force.
     pub fn has_learned(&self) -> bool {
-        let was_turned = || {
-            let groups = self.groups as f64;
-            self.seen.norm_squared() < (1.0 - self.tuning.shown_rad2) * groups * groups
-        };
-        self.published.is_some() && (self.given.is_none() || was_turned())
+        let limit = (1.0 - self.tuning.shown_rad2) * self.groups * self.groups;
+        self.published.is_some() && (self.given.is_none() || self.seen.norm_squared() < limit)
     }
 
     /// What was given, before the first sample.
