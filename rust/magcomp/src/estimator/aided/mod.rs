@@ -1,8 +1,9 @@
 //! The aided estimator: gyroscope and gravity beside the magnetometer.
 //!
-//! One file an idea: `state` · `propagate` · `measure` · `adapt` (noise) · `motion` (rest, up) · `earth` (in a new place) · `watch` (samples
-//! that do not fit) · `turned` (over several samples) · `quarantine`, `bursts` (magnets that are passed) · `recent` (delay) · `events` (hypotheses) · `first_fit`, `batch`, `groups` · `running` (filter) · `phase` (start, filter, hypotheses: one owner) · `start` · one sample: `step`, `sense`, `learn`, `decide`,
-//! `publish` · `explain` (for people). The derivation is in docs/dev/METHOD-AIDED.md.
+//! One file an idea: `state` · `propagate` · `measure` · `adapt` (noise) · `motion` (rest, up) · `earth` (in a new place) · `watch` (samples that do
+//! not fit) · `turned` (over several samples) · `quarantine`, `bursts` (magnets that are passed) · `recent` (delay) · `events` (hypotheses) ·
+//! `first_fit`, `batch`, `groups` · `running` (filter) · `phase` (start, filter, hypotheses: one owner) · `start` · one sample: `step`, `sense`,
+//! `learn`, `decide`, `publish` · `explain` (for people). The derivation is in docs/dev/METHOD-AIDED.md.
 
 mod adapt;
 mod batch;

@@ -6,7 +6,7 @@
 //! P_f = rho P_mm + G^2 I + axes^2 (|f|^2 I - f f^T) + timing + w s^2 I + w (1 - w) (h - m)(h - m)^T
 //! timing = P_tau (w x h)(w x h)^T
 //! ```
-//! L, F, rho and G: `adapt`. w, h and s belong to a new place (`earth`); elsewhere f is m; age is how long the sample has waited for the gyroscope. Source: docs/dev/METHOD-AIDED.md.
+//! L, F, rho and G: `adapt`. w, h and s belong to a new place (`earth`); elsewhere f is m; age is how long the sample has waited for the gyroscope.
 
 use nalgebra::{Matrix3, Vector3};
 

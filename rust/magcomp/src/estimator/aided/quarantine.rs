@@ -31,7 +31,10 @@ pub(super) struct Quarantine {
 impl Quarantine {
     /// The device turned.
     pub(super) fn turn(&mut self, step: &Step<'_>) {
-        self.since.step(step);
+        let way = &mut self.since;
+        way.turned.step(step.increment_rad, step.dt_s);
+        way.turn_rad2 += step.noise.turn_rad2(step.dt_s);
+        way.hard_iron_ut2 += step.noise.offset_ut.powi(2) * step.dt_s;
     }
 
     /// The filter after a sample that fits.
@@ -64,12 +67,6 @@ struct Way {
 }
 
 impl Way {
-    fn step(&mut self, step: &Step<'_>) {
-        self.turned.step(step.increment_rad, step.dt_s);
-        self.turn_rad2 += step.noise.turn_rad2(step.dt_s);
-        self.hard_iron_ut2 += step.noise.offset_ut.powi(2) * step.dt_s;
-    }
-
     /// This way, and then the next.
     fn joined(&self, next: &Self) -> Self {
         Self {
