@@ -308,6 +308,7 @@ impl Replay {
         // where they are written or drawn
         let is_explained = explained.is_some() || self.common.report.is_some();
         let mut explanations = Vec::new();
+        let mut told = None;
         let is_drawn = self.common.report.is_some();
         let gathering = Gathering::new(&extent, part, axis, &waypoints.unwrap_or_default(), is_drawn);
         let mut gathering = gathering.noted(&self.mark, &self.bearing);
@@ -334,7 +335,7 @@ impl Replay {
             }
             if let Some(explained) = &mut explained {
                 for ((row, step), explanation) in chunk.iter().zip(&steps).zip(&explanations) {
-                    explained.write(|out| write_explanation(out, row, &step.reading, explanation))?;
+                    explained.write(|out| write_explanation(out, row, &step.reading, explanation, &mut told))?;
                 }
             }
             explanations.clear();

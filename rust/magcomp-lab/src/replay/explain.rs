@@ -1,7 +1,7 @@
 //! `replay --explain`: why each reading said what it said, one row for every input row, in order.
 
 use super::output::{cell, vector};
-use magcomp::{ChangeHypothesis, EXPLAINED_HYPOTHESES, Explanation, Reading, Status};
+use magcomp::{ChangeHypothesis, EXPLAINED_HYPOTHESES, Event, Explanation, Reading, Status};
 use magcomp_recordings::recording::Row;
 use std::fmt::Debug;
 use std::io::{self, Write};
@@ -27,18 +27,20 @@ pub fn write_explain_header(out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, ",{AFTER}")
 }
 
-/// The line of a row, its reading and the inside of the compensator after it.
+/// The line of a row, its reading and the inside of the compensator after it; `told` is the event of the rows before, and then of this one.
 pub fn write_explanation(
     out: &mut dyn Write,
     row: &Row,
     reading: &Reading,
     explanation: &Explanation,
+    told: &mut Option<Event>,
 ) -> io::Result<()> {
     let seconds = |time_ns: i64| row.time_s + time_ns.saturating_sub(row.time_ns) as f64 * 1e-9;
     // a rejected sample changed nothing: what is told of a sample is of one before it
     let is_rejected = matches!(reading.status, Status::Rejected(_));
-    // in the row of its decision alone
-    let event = reading.event.filter(|event| !is_rejected && event.decided_ns == row.time_ns);
+    // in the first row that tells it: without a gyroscope it is decided by samples before that
+    let event = reading.event.filter(|event| *told != Some(*event));
+    *told = reading.event;
     write!(
         out,
         "{},{},{}",

@@ -4,10 +4,10 @@ use crate::{run, text};
 use std::fs;
 use std::path::Path;
 
-/// `magcomp replay --explain` of `input`: the rows by their columns.
-fn explained(folder: &Path, input: &Path) -> (Vec<String>, Vec<Vec<String>>) {
+/// `magcomp replay --explain` of `input`, with these options: the rows by their columns.
+fn explained(folder: &Path, input: &Path, options: &[&str]) -> (Vec<String>, Vec<Vec<String>>) {
     let output = folder.join("explained.csv");
-    let (code, _, error) = run(&["replay", text(input), "--explain", text(&output)]);
+    let (code, _, error) = run(&[&["replay", text(input), "--explain", text(&output)], options].concat());
     assert_eq!((code, error.as_str()), (0, ""));
     let written = fs::read_to_string(&output).unwrap();
     assert!(!written.contains("NaN") && !written.contains("inf"));
@@ -27,7 +27,7 @@ fn a_replay_explains_every_row() {
         run(&["simulate", text(&input), "--seconds", "30", "--change", "step", "--at", "20", "--seed", "5"]).0,
         0
     );
-    let (columns, rows) = explained(folder.path(), &input);
+    let (columns, rows) = explained(folder.path(), &input, &[]);
     let recording = fs::read_to_string(&input).unwrap();
     assert_eq!(rows.len(), recording.lines().count() - 1);
     for (row, raw) in rows.iter().zip(recording.lines().skip(1)) {
@@ -50,12 +50,36 @@ fn a_replay_explains_every_row() {
     assert_eq!((decided + 1..rows.len()).find(|row| !cell(*row, "event").is_empty()), None);
 }
 
+/// Without a gyroscope a change is decided by the samples of a frame that is over.
+#[test]
+fn each_event_has_one_row_without_a_gyroscope_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = folder.path().join("in.csv");
+    assert_eq!(
+        run(&["simulate", text(&input), "--seconds", "40", "--change", "step", "--at", "20", "--seed", "5"]).0,
+        0
+    );
+    let (columns, rows) = explained(folder.path(), &input, &["--ignore", "gyro"]);
+    let (code, summary, _) = run(&["replay", text(&input), "--ignore", "gyro", "--json"]);
+    assert_eq!(code, 0);
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let told: Vec<f64> =
+        summary["events"].as_array().unwrap().iter().map(|event| event["since_s"].as_f64().unwrap()).collect();
+    let onset = columns.iter().position(|column| column == "event_onset_s").unwrap();
+    let explained: Vec<f64> = rows.iter().filter_map(|row| row[onset].parse().ok()).collect();
+    assert!(!told.is_empty() && explained.len() == told.len(), "{explained:?} for {told:?}");
+    assert!(
+        explained.iter().zip(&told).all(|(at, expected)| (at - expected).abs() < 1e-3),
+        "{explained:?} for {told:?}"
+    );
+}
+
 #[test]
 fn a_rejected_row_is_explained_as_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let input = folder.path().join("in.csv");
     fs::write(&input, "t_s,mx,my,mz\n0,1,2,3\n0.01,nan,2,3\n0.02,2,2,3\n").unwrap();
-    let (columns, rows) = explained(folder.path(), &input);
+    let (columns, rows) = explained(folder.path(), &input, &[]);
     let sample = columns.iter().position(|column| column == "sample").unwrap();
     assert_eq!(rows.iter().map(|row| row[sample].as_str()).collect::<Vec<_>>(), ["pooled", "rejected", "pooled"]);
 }
