@@ -79,7 +79,8 @@ impl Coverage {
     /// Share of the cells with at least one sample, 0 to 1.
     #[must_use]
     pub fn share(&self) -> f64 {
-        (0..CELLS).filter(|cell| self.is_seen(*cell)).count() as f64 / CELLS as f64
+        let before = self.latest.saturating_sub(self.window);
+        self.last_seen.iter().filter(|seen| **seen > before).count() as f64 / CELLS as f64
     }
 
     /// Middles of the cells without a sample, unit vectors in the device frame: point the field there next.

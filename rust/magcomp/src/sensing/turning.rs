@@ -66,8 +66,12 @@ impl Turning {
         let last = self.now.fixed_rows::<3>(0).into_owned();
         if self.samples > 0.0 || self.before.is_some() {
             let mean = (last + field_ut) * 0.5;
-            let added = mean * turn.transpose();
-            self.now.iter_mut().skip(3).zip(added.iter().chain(&turn)).for_each(|(sum, value)| *sum += value);
+            for axis in 0..3 {
+                let mut row = self.now.fixed_rows_mut::<3>(3 + 3 * axis);
+                row += mean * turn[axis];
+            }
+            let mut turned = self.now.fixed_rows_mut::<3>(12);
+            turned += turn;
         }
         self.now.fixed_rows_mut::<3>(0).copy_from(field_ut);
         self.sum += self.now;
