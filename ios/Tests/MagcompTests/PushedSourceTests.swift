@@ -17,10 +17,13 @@ import Testing
         one.start()
         other.start()
         let app = CMMotionManager()
-        app.startMagnetometerUpdates(to: OperationQueue()) { data, _ in
+        // events of one time keep their order
+        let queue = OperationQueue()
+        queue.maxConcurrentOperationCount = 1
+        app.startMagnetometerUpdates(to: queue) { data, _ in
             if let data { source.push(SensorSample.events(of: data)) }
         }
-        app.startDeviceMotionUpdates(using: .xArbitraryCorrectedZVertical, to: OperationQueue()) { motion, _ in
+        app.startDeviceMotionUpdates(using: .xArbitraryCorrectedZVertical, to: queue) { motion, _ in
             if let motion { source.push(SensorSample.events(of: motion, options)) }
         }
         for k in 1...2 {
