@@ -8,6 +8,8 @@ fn a_cold_start_has_b_on_a_sphere_about_the_first_sample() {
     let of_b = belief.covariance.fixed_view::<3, 3>(6, 6);
     assert!((of_b - Matrix3::from_diagonal_element(1.0 / 3.0)).amax() < 1e-12, "{of_b}");
     assert_eq!(Vector3::from(belief.mean.fixed_rows::<3>(6)), u);
+    // neither the scale nor the vertical part is known
+    assert_eq!((belief.covariance[(0, 1)], belief.covariance[(9, 9)]), (1.0, 1.0));
     let mut bank = Bank::new(45.0);
     bank.begin_cold(&Frame { u, up: Some(Vector3::z()), ..Frame::default() }, 0.0, false, &Tuning::USED);
     assert_eq!(bank.all.len(), 6);

@@ -125,3 +125,11 @@ fn a_rate_beside_the_state_is_one_filter_of_both() {
     assert!((state.rate.own - p.fixed_view::<3, 3>(17, 17)).amax() < 1e-10);
     assert!(state.rate.mean.norm() > 1e-3);
 }
+
+/// A miss of 2 with a variance of 9: ln of its normal density, by hand.
+#[test]
+fn the_evidence_is_the_density_of_the_miss() {
+    let mut state = State::new(&prior(), 0.0, 0.0);
+    state.update(2.0, 9.0, &Numbers::zeros());
+    assert!((state.log - (-2.0 / 9.0 - 3.0_f64.ln() - 0.918_938_533_204_672_8)).abs() < 1e-12, "{}", state.log);
+}

@@ -2,10 +2,13 @@
 
 use nalgebra::Vector3;
 
-use super::super::state::{AXES, DELAY, HARD_IRON, LOCAL};
+use super::super::earth::Earth;
+use super::super::phase::Phase;
+use super::super::running::Running;
+use super::super::state::{AXES, DELAY, Filter, HARD_IRON, LOCAL};
 use super::super::{Aided, Tuning};
 use super::simulator::World;
-use crate::reading::EventKind;
+use crate::reading::{EventKind, Status};
 use crate::tuning::Mechanism;
 
 /// What is for places that change, magnets, steps, poor starts and other sensors does nothing where nothing happens.
@@ -189,5 +192,16 @@ fn combinations_of_mechanisms_are_sound() {
             }
         }
         assert_eq!(eventful(tuning).len(), 130);
+    }
+}
+
+#[test]
+fn a_place_is_disturbed_while_its_field_is_likelier_not_the_earths() {
+    let mut aided = Aided::new(Tuning::default(), None);
+    for (probability, is_disturbed) in [(0.51, true), (0.49, false)] {
+        let mut earth = Earth::of(&Filter::default(), None, 7);
+        earth.probability = probability;
+        aided.phase = Phase::Running(Running { earth: Some(earth), ..Running::default() });
+        assert_eq!(aided.status() == Status::Disturbed { since_ns: 7 }, is_disturbed, "{probability}");
     }
 }
