@@ -2,7 +2,7 @@
 
 use crate::{run, text};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// `magcomp replay --explain` of `input`, with these options: the rows by their columns.
 fn explained(folder: &Path, input: &Path, options: &[&str]) -> (Vec<String>, Vec<Vec<String>>) {
@@ -19,14 +19,19 @@ fn explained(folder: &Path, input: &Path, options: &[&str]) -> (Vec<String>, Vec
     (columns, rows)
 }
 
+/// A recording of so many seconds with a step at 20 s, in a folder.
+fn stepped(folder: &Path, seconds: &str) -> PathBuf {
+    let input = folder.join("in.csv");
+    let simulated =
+        run(&["simulate", text(&input), "--seconds", seconds, "--change", "step", "--at", "20", "--seed", "5"]);
+    assert_eq!(simulated.0, 0);
+    input
+}
+
 #[test]
 fn a_replay_explains_every_row() {
     let folder = tempfile::tempdir().unwrap();
-    let input = folder.path().join("in.csv");
-    assert_eq!(
-        run(&["simulate", text(&input), "--seconds", "30", "--change", "step", "--at", "20", "--seed", "5"]).0,
-        0
-    );
+    let input = stepped(folder.path(), "30");
     let (columns, rows) = explained(folder.path(), &input, &[]);
     let recording = fs::read_to_string(&input).unwrap();
     assert_eq!(rows.len(), recording.lines().count() - 1);
@@ -54,11 +59,7 @@ fn a_replay_explains_every_row() {
 #[test]
 fn each_event_has_one_row_without_a_gyroscope_too() {
     let folder = tempfile::tempdir().unwrap();
-    let input = folder.path().join("in.csv");
-    assert_eq!(
-        run(&["simulate", text(&input), "--seconds", "40", "--change", "step", "--at", "20", "--seed", "5"]).0,
-        0
-    );
+    let input = stepped(folder.path(), "40");
     let (columns, rows) = explained(folder.path(), &input, &["--ignore", "gyro"]);
     let (code, summary, _) = run(&["replay", text(&input), "--ignore", "gyro", "--json"]);
     assert_eq!(code, 0);

@@ -10,8 +10,10 @@ use super::{arrow_lengths, parquet_lengths};
 use crate::error::RecordingError;
 use arrow_array::cast::AsArray;
 use arrow_array::types::{
-    Float16Type, Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, UInt8Type, UInt16Type,
-    UInt32Type, UInt64Type,
+    DurationMicrosecondType, DurationMillisecondType, DurationNanosecondType, DurationSecondType, Float16Type,
+    Float32Type, Float64Type, Int8Type, Int16Type, Int32Type, Int64Type, TimestampMicrosecondType,
+    TimestampMillisecondType, TimestampNanosecondType, TimestampSecondType, UInt8Type, UInt16Type, UInt32Type,
+    UInt64Type,
 };
 use arrow_array::{Array, RecordBatch};
 use arrow_ipc::reader::{FileReader as ArrowFile, StreamReader as ArrowStream};
@@ -123,6 +125,19 @@ fn arrow_cell(column: &dyn Array, row: usize) -> String {
             column.as_primitive::<$kind>().value(row).to_string()
         };
     }
+    macro_rules! time {
+        ($unit:expr, $second:ty, $milli:ty, $micro:ty, $nano:ty) => {
+            seconds(
+                match $unit {
+                    TimeUnit::Second => column.as_primitive::<$second>().value(row),
+                    TimeUnit::Millisecond => column.as_primitive::<$milli>().value(row),
+                    TimeUnit::Microsecond => column.as_primitive::<$micro>().value(row),
+                    TimeUnit::Nanosecond => column.as_primitive::<$nano>().value(row),
+                },
+                *$unit,
+            )
+        };
+    }
     if column.is_null(row) {
         return String::new();
     }
@@ -138,8 +153,15 @@ fn arrow_cell(column: &dyn Array, row: usize) -> String {
         DataType::UInt16 => number!(UInt16Type),
         DataType::UInt32 => number!(UInt32Type),
         DataType::UInt64 => number!(UInt64Type),
-        DataType::Timestamp(unit, _) | DataType::Duration(unit) => {
-            seconds(column.to_data().buffer::<i64>(0)[row], *unit)
+        DataType::Timestamp(unit, _) => time!(
+            unit,
+            TimestampSecondType,
+            TimestampMillisecondType,
+            TimestampMicrosecondType,
+            TimestampNanosecondType
+        ),
+        DataType::Duration(unit) => {
+            time!(unit, DurationSecondType, DurationMillisecondType, DurationMicrosecondType, DurationNanosecondType)
         }
         DataType::Utf8 => column.as_string::<i32>().value(row).to_owned(),
         DataType::LargeUtf8 => column.as_string::<i64>().value(row).to_owned(),

@@ -27,11 +27,9 @@ pub struct ImportOptions {
     pub topics: Vec<String>,
 }
 
-/// The quantities of columns, and their names in a recording.
+/// The quantities of columns.
 const QUANTITIES: [&str; 17] =
     ["t", "mx", "my", "mz", "ax", "ay", "az", "gx", "gy", "gz", "sx", "sy", "sz", "qw", "qx", "qy", "qz"];
-const IN_A_RECORDING: [&str; 17] =
-    ["t_s", "mx", "my", "mz", "ax", "ay", "az", "gx", "gy", "gz", "sys_mx", "sys_my", "sys_mz", "qw", "qx", "qy", "qz"];
 
 /// Names of a file's columns, in the order of `QUANTITIES`.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,7 +41,12 @@ pub struct ColumnNames {
 
 impl Default for ColumnNames {
     fn default() -> Self {
-        Self { names: IN_A_RECORDING.map(str::to_owned).to_vec(), given: Vec::new() }
+        let in_a_recording = |quantity: &str| match quantity {
+            "t" => "t_s".to_owned(),
+            "sx" | "sy" | "sz" => quantity.replace('s', "sys_m"),
+            other => other.to_owned(),
+        };
+        Self { names: QUANTITIES.map(in_a_recording).to_vec(), given: Vec::new() }
     }
 }
 

@@ -9,7 +9,7 @@
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
-use super::groups::{Group, Groups};
+use super::groups::{Groups, Seen};
 use super::measure::Model;
 use super::state::{AXES, BIAS, CALIBRATION, DELAY, FIELD, HARD_IRON, LOCAL, Parts, SOFT_IRON};
 use crate::calibration::iron_rows;
@@ -36,7 +36,7 @@ pub(super) struct Prior {
 
 impl Prior {
     /// Variance per axis of a group's mean sample, uT^2.
-    pub(super) fn variance(&self, mean: &Group) -> f64 {
+    pub(super) fn variance(&self, mean: &Seen) -> f64 {
         self.noise_ut2 / mean.count + self.place_ut2_s / mean.moved_s
     }
 }
@@ -140,9 +140,9 @@ pub(super) fn parts(x: &Vector) -> Parts {
 }
 
 /// The derivative of a group's mean sample by x, and what it differs from the model by, uT.
-pub(super) fn model(x: &Parts, mean: &Group) -> (SMatrix<f64, 3, UNKNOWNS>, Vector3<f64>) {
+pub(super) fn model(x: &Parts, mean: &Seen) -> (SMatrix<f64, 3, UNKNOWNS>, Vector3<f64>) {
     let model = Model::of(&Parts { field: mean.back * x.field, ..*x }, &mean.rate_rad_s, 0.0);
-    let by_gyroscope = model.by_field * mean.turned.by_gyroscope;
+    let by_gyroscope = model.by_field * mean.by_gyroscope;
     let mut j = SMatrix::<f64, 3, UNKNOWNS>::zeros();
     j.fixed_columns_mut::<3>(FIELD.start()).copy_from(&(model.by_field * mean.back));
     j.fixed_columns_mut::<3>(HARD_IRON.start()).copy_from(&Matrix3::identity());

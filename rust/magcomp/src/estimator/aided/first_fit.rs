@@ -251,7 +251,7 @@ impl FirstFit {
         let unseen = self.groups.means(&Parts { field: unseen_ut, ..x });
         for (mean, unseen) in self.groups.means(&x).zip(unseen) {
             let v = prior.variance(&mean);
-            let bend = x.soft_iron() * unseen.turned.by_gyroscope.fixed_columns::<3>(0);
+            let bend = x.soft_iron() * unseen.by_gyroscope.fixed_columns::<3>(0);
             let (j, _) = model(&x, &mean);
             cross += j.transpose() * bend / v;
             own += bend.transpose() * bend / v;

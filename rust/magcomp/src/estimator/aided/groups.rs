@@ -22,13 +22,23 @@ const LONGEST_S: f64 = Tuning::USED.memory_s;
 /// Choice: and at first, before groups have been joined in pairs twice: a fit is made after each.
 const SHORTEST_S: f64 = LONGEST_S / 4.0;
 
-/// Sums over the samples of a group; or their means as seen from the latest sample, with the gyroscope's errors taken out.
+/// Sums over the samples of a group.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Group {
-    /// Of means, G is the derivative of the mean field by g and s.
-    pub(super) turned: Turned,
+    turned: Turned,
     /// r' to the samples: their mean field is `back` h.
     pub(super) back: Matrix3<f64>,
+    pub(super) raw_ut: Vector3<f64>,
+    pub(super) rate_rad_s: Vector3<f64>,
+    pub(super) count: f64,
+    pub(super) moved_s: f64,
+}
+
+/// The means of a group as seen from the latest sample, with the gyroscope's errors taken out.
+pub(super) struct Seen {
+    pub(super) back: Matrix3<f64>,
+    /// Derivative of the mean field by g and s.
+    pub(super) by_gyroscope: SMatrix<f64, 3, 12>,
     pub(super) raw_ut: Vector3<f64>,
     pub(super) rate_rad_s: Vector3<f64>,
     pub(super) count: f64,
@@ -107,7 +117,7 @@ impl Groups {
     }
 
     /// Means over each group, from the latest back to the first, for the field now, and bias and scale error, of `x`.
-    pub(super) fn means<'a>(&'a self, x: &Parts) -> impl Iterator<Item = Group> + use<'a> {
+    pub(super) fn means<'a>(&'a self, x: &Parts) -> impl Iterator<Item = Seen> + use<'a> {
         let x = *x;
         // from now to the group's end, and what g and s do to the field there
         let mut back = Matrix3::identity();
@@ -119,12 +129,13 @@ impl Groups {
             // on average half of a group's error lies between its end and a sample
             let half = Turn::by(&(-off * 0.5)).rotation;
             let mean = group.back * half / group.count;
-            let seen = Group {
-                turned: Turned { by_gyroscope: mean * (by_gyroscope + leads * 0.5), ..group.turned },
+            let seen = Seen {
+                by_gyroscope: mean * (by_gyroscope + leads * 0.5),
                 back: mean * back,
                 raw_ut: group.raw_ut / group.count,
                 rate_rad_s: group.rate_rad_s / group.count,
-                ..*group
+                count: group.count,
+                moved_s: group.moved_s,
             };
             let whole = Turn::by(&-off).rotation;
             let to_start = turn.transpose() * whole;
