@@ -39,8 +39,7 @@ fn an_axis_has_a_bearing_below_an_elevation_of_60_degrees_whatever_its_length() 
 fn a_turn_takes_north_along_and_adds_drift_to_its_sigma_and_noise_to_its_variance() {
     let mut north = carried(0.04, 0.01);
     let turn = Rotation3::new(Vector3::z() * 0.3).into_inner();
-    let carry =
-        Carry { turn, up: None, tilt_rad2: 0.0, bias_rad2_s2: 0.01, is_bias_told: true, span_s: 1.0, noise_rad2: 0.02 };
+    let carry = Carry { turn, up: None, tilt_rad2: 0.0, bias_rad2_s2: 0.01, span_s: 1.0, noise_rad2: 0.02 };
     north.step(&carry, None);
     // 0.04 + 0.1^2 + 0.02, and what is common stays
     assert!((north.variance_rad2() - 0.08).abs() < 1e-12);
