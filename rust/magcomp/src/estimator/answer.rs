@@ -40,8 +40,9 @@ pub(crate) struct Carry {
     /// Where up is, and its variance about a horizontal axis, rad^2.
     pub up: Option<Vector3<f64>>,
     pub tilt_rad2: f64,
-    /// Variance of the gyroscope's bias about the worst axis, (rad/s)^2, and how long the turn took, s.
+    /// Variance of the gyroscope's bias about the worst axis, (rad/s)^2; whether it is what samples have told, and how long the turn took, s.
     pub bias_rad2_s2: f64,
+    pub is_bias_told: bool,
     pub span_s: f64,
     /// Variance of what its noise adds, per axis, rad^2.
     pub noise_rad2: f64,

@@ -88,6 +88,7 @@ pub(super) struct Carried {
     drift_rad_s: f64,
     drift_rad2_s2: f64,
     shared_rad2_s: f64,
+    is_bias_told: bool,
     /// Variance of the mounting or the declination that the headings were read with, rad^2.
     common_rad2: f64,
     /// Seconds of headings that speak for it.
@@ -115,6 +116,7 @@ impl Carried {
             // until the first turn says how large it may be
             drift_rad2_s2: f64::INFINITY,
             shared_rad2_s: 0.0,
+            is_bias_told: false,
             common_rad2,
             support_s,
             leads: false,
@@ -135,6 +137,9 @@ impl Carried {
     pub fn step(&mut self, carry: &Carry, up: Option<&Vector3<f64>>) {
         let north = carry.turn * self.level.north;
         let up = up.copied().unwrap_or(carry.turn * self.level.up);
+        if carry.is_bias_told != self.is_bias_told {
+            (self.is_bias_told, self.drift_rad2_s2) = (carry.is_bias_told, f64::INFINITY);
+        }
         let Carry { bias_rad2_s2, span_s, .. } = *carry;
         if self.drift_rad2_s2 > bias_rad2_s2 {
             // the turn has it off

@@ -74,7 +74,7 @@ impl North {
 /// A turn of a gyroscope whose bias is known to so much.
 fn carry(turn: Matrix3<f64>, bias_rad_s: f64, span_s: f64, up: Vector3<f64>) -> Carry {
     let (bias_rad2_s2, up) = (bias_rad_s * bias_rad_s, Some(up));
-    Carry { turn, up, tilt_rad2: 0.0, bias_rad2_s2, span_s, noise_rad2: 0.0 }
+    Carry { turn, up, tilt_rad2: 0.0, bias_rad2_s2, is_bias_told: true, span_s, noise_rad2: 0.0 }
 }
 
 /// Plays `seconds`; `tell` makes a heading every second.

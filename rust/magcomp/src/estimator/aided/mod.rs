@@ -206,6 +206,7 @@ impl Aided {
                 up: self.motion.up,
                 tilt_rad2: self.motion.tilt_rad2,
                 bias_rad2_s2,
+                is_bias_told: self.phase.known().is_some(),
                 span_s: dt_s,
                 noise_rad2: step.noise.turn_rad2(dt_s),
             });

@@ -39,7 +39,8 @@ fn an_axis_has_a_bearing_below_an_elevation_of_60_degrees_whatever_its_length() 
 fn a_turn_takes_north_along_and_adds_drift_to_its_sigma_and_noise_to_its_variance() {
     let mut north = carried(0.04, 0.01);
     let turn = Rotation3::new(Vector3::z() * 0.3).into_inner();
-    let carry = Carry { turn, up: None, tilt_rad2: 0.0, bias_rad2_s2: 0.01, span_s: 1.0, noise_rad2: 0.02 };
+    let carry =
+        Carry { turn, up: None, tilt_rad2: 0.0, bias_rad2_s2: 0.01, is_bias_told: true, span_s: 1.0, noise_rad2: 0.02 };
     north.step(&carry, None);
     // 0.04 + 0.1^2 + 0.02, and what is common stays
     assert!((north.variance_rad2() - 0.08).abs() < 1e-12);
@@ -85,4 +86,19 @@ fn what_begins_anew_at_the_magnetometer_keeps_what_speaks_for_it() {
     let mut north = Carried { support_s: 100.0, level: level().turned(0.3), ..carried(0.05, 0.01) };
     north.begin_at(&own(0.04));
     assert_eq!(north, Carried { support_s: 100.0, ..Carried::of(&own(0.04)) });
+}
+
+/// What headings have shown of a bias that the turn did not have off says nothing once the turn has it off.
+#[test]
+fn what_is_left_of_the_bias_begins_anew_when_samples_tell_it() {
+    for (is_bias_told, expected_rad_s) in [(false, 0.05), (true, 0.0)] {
+        let mut north = carried(0.04, 0.01);
+        (north.drift_rad_s, north.drift_rad2_s2) = (0.05, 1e-6);
+        let turn = Matrix3::identity();
+        north.step(
+            &Carry { turn, up: None, tilt_rad2: 0.0, bias_rad2_s2: 1e-4, is_bias_told, span_s: 0.01, noise_rad2: 0.0 },
+            None,
+        );
+        assert_eq!(north.drift_rad_s, expected_rad_s, "{is_bias_told}");
+    }
 }
