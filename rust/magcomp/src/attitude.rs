@@ -12,6 +12,8 @@
 use crate::heading::angle_sigma_deg;
 use crate::level::Level;
 use crate::math::elementary::hypot;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 /// How the device lies in the world. It needs no reference axis, so it is known also where the axis of the heading is vertical.
@@ -58,6 +60,6 @@ pub fn attitude_sigma_deg(
 /// The same of a field's level frame.
 pub(crate) fn sigma_of_level(level: &Level, covariance_ut2: &Matrix3<f64>, tilt_sigma_deg: f64) -> Option<f64> {
     let about_up_deg = angle_sigma_deg(level.variance_rad2(covariance_ut2, tilt_sigma_deg.to_radians().powi(2)))?;
-    let sigma = hypot(about_up_deg, tilt_sigma_deg * std::f64::consts::SQRT_2).min(180.0);
+    let sigma = hypot(about_up_deg, tilt_sigma_deg * core::f64::consts::SQRT_2).min(180.0);
     sigma.is_finite().then_some(sigma)
 }

@@ -4,6 +4,8 @@
 //! ellipsoid. A [`Calibration`] holds the symmetric positive definite M; [`Calibration::from_any`] brings any
 //! invertible M there by the polar decomposition M = P R and hands back the rotation R it dropped.
 
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3};
 
 /// Why a pair (M, b) is no calibration.

@@ -33,6 +33,7 @@ use crate::sensing::pairing::{EventRejection, InertialPairing, PairedInertial, R
 use crate::sensing::stand_in::StandIn;
 use crate::sensing::tilt::{GRAVITY_M_S2, Tilt};
 use crate::sensing::turning::Turning;
+use alloc::boxed::Box;
 use belief::Belief;
 use check::Stream;
 use nalgebra::{SMatrix, Vector3};

@@ -7,6 +7,7 @@ use crate::heading::HeadingConfig;
 use crate::kept::SIGMAS_UT;
 use crate::priors::DAYS_UT;
 use crate::range::{ConfigError, in_range};
+use alloc::{borrow::ToOwned, string::ToString};
 
 /// How M and b are estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

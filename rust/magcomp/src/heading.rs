@@ -23,6 +23,8 @@ mod tests;
 
 use crate::level::{Level, VERTICAL};
 use crate::math::elementary::atan2;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, Vector3};
 
 /// Which axis of the device the heading is that of.
@@ -231,8 +233,12 @@ pub fn true_heading_deg(heading_deg: f64, declination_deg: f64) -> f64 {
     wrap_360(heading_deg + declination_deg)
 }
 
+/// Mathematics: a full turn, deg.
+const TURN_DEG: f64 = 360.0;
+
 /// An angle in [0, 360).
 fn wrap_360(deg: f64) -> f64 {
-    let wrapped = deg.rem_euclid(360.0);
-    if wrapped >= 360.0 { 0.0 } else { wrapped }
+    let rest = deg % TURN_DEG;
+    let wrapped = if rest < 0.0 { rest + TURN_DEG } else { rest };
+    if wrapped >= TURN_DEG { 0.0 } else { wrapped }
 }

@@ -16,8 +16,11 @@ mod tests;
 use crate::calibration::{Calibration, independent, is_covariance};
 use crate::priors::{IRON_PER_UT, UNSEEN_IRON};
 use crate::range::{ConfigError, in_range};
+use alloc::{borrow::ToOwned, string::String, string::ToString};
+use core::ops::RangeInclusive;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::SMatrix;
-use std::ops::RangeInclusive;
 
 /// Format: version of the text written here.
 pub const KEPT_VERSION: u32 = 1;

@@ -7,6 +7,8 @@
 //! `E[(y/x)^2] = var y / x^2 (1 + 3 var x / x^2 + ...)`: a horizontal part whose length is not known turns by more.
 
 use crate::math::elementary::{atan2, hypot};
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, Vector3};
 
 /// Mathematics: what has a smaller sine to the vertical has no heading, for rounding: 1e-6 is 0.2 arc seconds.

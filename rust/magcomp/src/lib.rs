@@ -74,8 +74,9 @@
 //!
 //! A reading has the same bits on every platform: sines, exponentials and their like come from the crate `libm` (`math/elementary.rs`).
 //!
-//! The core needs `std`: without it f64 has no `sqrt`, `powi` or `round`, and each call would change, for targets that no phone is.
+//! Without its default feature `std` the crate needs `alloc` alone.
 
+#![cfg_attr(not(any(feature = "std", test)), no_std)]
 #![cfg_attr(
     test,
     allow(
@@ -83,6 +84,8 @@
         reason = "tests compare with the platform's functions or make their own streams with them"
     )
 )]
+
+extern crate alloc;
 
 pub use nalgebra;
 

@@ -1,7 +1,8 @@
 //! The range of a setting, and the error that names it.
 
-use std::fmt::Debug;
-use std::ops::RangeInclusive;
+use alloc::{borrow::ToOwned, format, string::String};
+use core::fmt::Debug;
+use core::ops::RangeInclusive;
 
 /// A setting is outside its range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

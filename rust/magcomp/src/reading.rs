@@ -3,6 +3,7 @@
 use crate::attitude::Attitude;
 use crate::ellipsoid::FitError;
 use crate::heading::Heading;
+use alloc::{format, string::String};
 use nalgebra::Vector3;
 
 /// The answer to one magnetometer sample. What is not known is None, never NaN.

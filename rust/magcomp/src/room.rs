@@ -1,9 +1,10 @@
 //! Memory that is taken once: a clone has as much room as what it was made from, so that it takes none later.
 //! A `Vec` where it is read all the time: a ring in its place costs the adaptive estimator a tenth more instructions.
 
+use alloc::collections::VecDeque;
+use alloc::vec::Vec;
+use core::ops::{Deref, DerefMut};
 use serde::{Deserialize, Serialize};
-use std::collections::VecDeque;
-use std::ops::{Deref, DerefMut};
 
 /// A collection with the room that it began with.
 #[derive(Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

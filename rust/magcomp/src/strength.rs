@@ -1,6 +1,6 @@
 //! Strengths of fields, uT: what the world magnetic model has, and what buildings make of it.
 
-use std::ops::Range;
+use core::ops::Range;
 
 /// Physics: the Earth's field with what buildings do to it; the world magnetic model has 22 to 67.
 pub(crate) const EARTH_UT: Range<f64> = 18.0..72.0;

@@ -24,6 +24,8 @@ use crate::math::symmetric::symmetric;
 use crate::priors::{BEYOND_CHANCE, DAYS_UT, IRON_PER_UT, LARGEST_UT, ROOM_UT, UNSEEN_IRON};
 use crate::sample::MagneticSample;
 use crate::strength::STRONGEST_AXIS_UT;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector3};
 
 /// Choice: sizes of changes, each twice the one before: from twice what b moves in days, 4 uT, to beyond the largest, 512 uT.
@@ -68,7 +70,7 @@ impl Adopted {
         let is_learned = kept.source() == CalibrationSource::Learned;
         let at_once = if is_learned { Tuning::USED.changed_between } else { Tuning::USED.never_held };
         let holds = (1.0 - at_once) * exp(-age_s(kept, unix_time_s) / Tuning::USED.changes_s);
-        let summands = std::array::from_fn(|k| {
+        let summands = core::array::from_fn(|k| {
             let (size_ut, weight) = match k {
                 // what was given says itself how well it holds
                 0 => (if is_learned { DAYS_UT } else { 0.0 }, holds),
@@ -118,7 +120,7 @@ impl Adopted {
 
     /// The system's hard iron: the first that is told beside a calibration of another source. Whether it told something new.
     pub fn hear(&mut self, system: &KeptCalibration) -> bool {
-        if std::mem::replace(&mut self.is_heard, true) {
+        if core::mem::replace(&mut self.is_heard, true) {
             return false;
         }
         let r = system.calibration().hard_iron_ut() - self.kept.hard_iron_ut();

@@ -7,6 +7,8 @@ use crate::heading::{self, Heading, HeadingConfig, true_heading_deg};
 use crate::level::Level;
 use crate::math::elementary::hypot;
 use crate::reading::{Reading, Status};
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, Vector3};
 
 /// What heading and attitude are formed from.

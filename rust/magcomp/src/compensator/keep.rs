@@ -8,6 +8,8 @@ use crate::kept::{CalibrationSource, KeptCalibration};
 use crate::range::{ConfigError, in_range};
 use crate::sample::MagneticSample;
 use crate::sensing::tilt::calm;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::Vector3;
 
 impl Compensator {

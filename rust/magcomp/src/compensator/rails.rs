@@ -8,6 +8,8 @@ mod tests;
 
 use crate::reading::{Axis, RejectReason};
 use crate::strength::EARTH_UT;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::Vector3;
 
 /// Choice: how often an axis repeats an extreme on end, not by chance, where the field turns.

@@ -1,7 +1,10 @@
 //! When each direction of the sphere was last seen: 48 cells of equal area.
 
 use crate::math::elementary::{cos, sin};
+use alloc::vec::Vec;
 use arrayvec::ArrayVec;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::Vector3;
 
 /// Mathematics: cells on the whole sphere, the sum of those of the bands, each about 30 degrees across.
@@ -54,7 +57,7 @@ impl Coverage {
     pub(super) fn middle(cell: usize) -> Vector3<f64> {
         let (first, cells) = BANDS.into_iter().find(|(first, cells)| cell < first + cells).unwrap_or(BANDS[5]);
         let z = 1.0 - (2 * first + cells) as f64 / CELLS as f64;
-        let phi = ((cell - first) as f64 + 0.5) / cells as f64 * std::f64::consts::TAU - std::f64::consts::PI;
+        let phi = ((cell - first) as f64 + 0.5) / cells as f64 * core::f64::consts::TAU - core::f64::consts::PI;
         let flat = (1.0 - z * z).sqrt();
         Vector3::new(flat * cos(phi), flat * sin(phi), z)
     }

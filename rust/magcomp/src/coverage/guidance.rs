@@ -5,8 +5,8 @@ use super::cells::Coverage;
 use crate::calibration::{Calibration, typical_field_ut};
 use crate::ellipsoid::Moments;
 use crate::room::Roomy;
+use alloc::collections::VecDeque;
 use nalgebra::Vector3;
-use std::collections::VecDeque;
 
 /// Choice: samples from one look for what is too dear for every sample to the next, 0.25 s at 100 Hz, which nobody sees on a screen. Of the latest ten times
 /// as many the directions are found anew when the calibration they are seen through is no longer right: no sample may cost much (tests/instructions.sh).

@@ -15,6 +15,8 @@
 mod tests;
 
 use super::exact::ExactSums;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// Mathematics: exponents of x, y, z for each entry of z.

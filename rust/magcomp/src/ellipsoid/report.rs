@@ -15,6 +15,8 @@ use crate::math::descend::{Descent, Termination};
 use crate::math::elementary::cbrt;
 use crate::math::symmetric::{basis, six};
 use crate::priors::BEYOND_CHANCE;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3};
 
 type Matrix9 = SMatrix<f64, 9, 9>;

@@ -3,6 +3,8 @@
 use crate::calibration::{Calibration, Given, independent};
 use crate::priors::{DAYS_UT, IRON_PER_UT};
 use crate::reading::{Event, ModelOrder, SensorMode};
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// A change of the device that moves b by less is no event, uT: from day to day b moves as far.

@@ -8,9 +8,9 @@ use crate::ellipsoid::direction_sigma_deg;
 use crate::priors::STEP_S;
 use crate::room::Roomy;
 use crate::sample::{MagneticSample, seconds};
+use alloc::collections::VecDeque;
+use core::mem::take;
 use nalgebra::Vector3;
-use std::collections::VecDeque;
-use std::mem::take;
 
 /// Time after which they are formed anew, s: a display of them can be read that often.
 const ANEW_S: f64 = 2.0 * STEP_S;

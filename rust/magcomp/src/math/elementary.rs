@@ -14,6 +14,8 @@
 #[cfg(test)]
 mod tests;
 
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 pub(crate) use libm::{atan2, cbrt, cos, exp, log as ln, sin, sincos as sin_cos};

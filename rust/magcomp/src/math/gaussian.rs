@@ -10,8 +10,8 @@
 #[cfg(test)]
 mod tests;
 
+use core::ops::Range;
 use nalgebra::{ArrayStorage, Const, MatrixViewMut, SMatrix, SVector};
-use std::ops::Range;
 
 /// A part of a state: `LEN` numbers in a row.
 #[derive(Clone, Copy, Debug)]
@@ -64,7 +64,7 @@ impl<const LEN: usize> Part<LEN> {
     /// Its numbers in a state.
     #[inline(always)]
     pub fn of<const N: usize>(self, state: &SVector<f64, N>) -> SVector<f64, LEN> {
-        SVector::from(std::array::from_fn(|k| state[self.first + k]))
+        SVector::from(core::array::from_fn(|k| state[self.first + k]))
     }
 
     /// Sets its numbers in a state.
@@ -76,8 +76,8 @@ impl<const LEN: usize> Part<LEN> {
     /// Its block of a covariance or a precision.
     #[inline(always)]
     pub fn block<const N: usize>(self, of: &SMatrix<f64, N, N>) -> SMatrix<f64, LEN, LEN> {
-        let column = |k| std::array::from_fn(|i| of[(self.first + i, k)]);
-        SMatrix::from_data(ArrayStorage(std::array::from_fn(|k| column(self.first + k))))
+        let column = |k| core::array::from_fn(|i| of[(self.first + i, k)]);
+        SMatrix::from_data(ArrayStorage(core::array::from_fn(|k| column(self.first + k))))
     }
 
     /// The same, to be changed.
@@ -134,7 +134,7 @@ impl<const N: usize> Gaussian<N> {
     /// The variance of each number of a part.
     #[inline(always)]
     pub fn variances<const LEN: usize>(&self, part: Part<LEN>) -> SVector<f64, LEN> {
-        SVector::from(std::array::from_fn(|k| self.covariance[(part.first + k, part.first + k)]))
+        SVector::from(core::array::from_fn(|k| self.covariance[(part.first + k, part.first + k)]))
     }
 
     /// The covariance of all states with those of a part.

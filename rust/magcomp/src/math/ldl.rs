@@ -61,7 +61,7 @@ impl<const N: usize> Ldl<N> {
 #[inline(always)]
 pub(crate) fn add<const N: usize>(sum: &mut [f64; N], factor: f64, row: &[f64; N]) {
     // written at once, so that the compiler need not ask whether `row` changes with `sum`
-    *sum = std::array::from_fn(|i| sum[i] + factor * row[i]);
+    *sum = core::array::from_fn(|i| sum[i] + factor * row[i]);
 }
 
 /// x with H x = g. Only the lower triangle of `h` is read. None unless H is positive definite.

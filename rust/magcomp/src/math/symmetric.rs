@@ -17,7 +17,7 @@ pub(crate) fn symmetric<const N: usize>(x: &SVector<f64, N>) -> Matrix3<f64> {
 
 /// The six elementary matrices.
 pub(crate) fn basis() -> [Matrix3<f64>; 6] {
-    std::array::from_fn(|k| symmetric(&SVector::<f64, 6>::ith(k, 1.0)))
+    core::array::from_fn(|k| symmetric(&SVector::<f64, 6>::ith(k, 1.0)))
 }
 
 #[cfg(test)]

@@ -13,6 +13,8 @@
 use super::memory::MEMORY;
 use crate::math::elementary::{exp, ln};
 use crate::priors::BEYOND_CHANCE;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 
 /// Choice: cells of s.
 const SIZES: usize = 7;
@@ -61,12 +63,18 @@ fn steps(k: usize, cells: usize) -> i32 {
     k as i32 - (cells / 2) as i32
 }
 
+/// So many steps are this factor.
+fn factor(steps: i32) -> f64 {
+    let factor = RATIO.powi(steps.abs());
+    if steps < 0 { 1.0 / factor } else { factor }
+}
+
 impl Markov {
     /// Believed to be of this size, and to last so long, before a miss is seen.
     pub fn new(size: f64, lasts_s: f64) -> Self {
-        let cell = |k| Cell { variance: (size * RATIO.powi(steps(k, SIZES))).powi(2), ..Cell::default() };
+        let cell = |k| Cell { variance: (size * factor(steps(k, SIZES))).powi(2), ..Cell::default() };
         let believed = Process { size, lasts_s };
-        Self { believed, cells: [std::array::from_fn(cell); LASTS], learned: believed }
+        Self { believed, cells: [core::array::from_fn(cell); LASTS], learned: believed }
     }
 
     /// s and tau as learned so far.
@@ -79,11 +87,11 @@ impl Markov {
         let (mut top, mut sum, mut size, mut lasts) = (f64::NEG_INFINITY, 0.0, 0.0, 0.0);
         for i in 0..LASTS {
             let lasts_by = steps(i, LASTS);
-            let phi = exp(-seconds / (self.believed.lasts_s * RATIO.powi(lasts_by)));
+            let phi = exp(-seconds / (self.believed.lasts_s * factor(lasts_by)));
             for k in 0..SIZES {
                 let size_by = steps(k, SIZES);
                 let cell = &mut self.cells[i][k];
-                cell.add(miss, white, phi, (self.believed.size * RATIO.powi(size_by)).powi(2));
+                cell.add(miss, white, phi, (self.believed.size * factor(size_by)).powi(2));
                 let log = cell.log - 0.5 * f64::from(size_by * size_by + lasts_by * lasts_by);
                 if log > top {
                     let less = exp(top - log);

@@ -11,7 +11,9 @@
 
 use super::memory::{MEMORY, START};
 use crate::priors::BEYOND_CHANCE;
-use std::f64::consts::FRAC_1_SQRT_2;
+use core::f64::consts::FRAC_1_SQRT_2;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 
 /// Format: lengths of means, in frames 2^j.
 const LENGTHS: usize = 7;
@@ -37,7 +39,7 @@ impl Stays {
     /// Before a stay is seen: noise of this variance a frame; a mean of more than four frames is believed to be no better.
     pub fn new(variance: f64) -> Self {
         let length = |j: usize| Length { pending: None, allan: variance / f64::from(1u32 << j.min(2)), count: START };
-        Self { lengths: std::array::from_fn(length) }
+        Self { lengths: core::array::from_fn(length) }
     }
 
     /// The device moves on.

@@ -7,6 +7,8 @@ use crate::estimator::answer::{Answer, Carry};
 use crate::level::Level;
 use crate::math::elementary::{atan2, cos, gain, sin, sin_cos};
 use crate::priors::{BEYOND_CHANCE, ROOM_S, SETTLED_S};
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, Vector3};
 
 /// Headings within this time have the same error, s: a course that multipath bends, a step to the side (rust/magcomp-lab/tests/north.rs).

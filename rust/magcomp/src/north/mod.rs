@@ -26,10 +26,12 @@ use crate::sample::{HeadedAxis, HeadingSample, NorthReference, seconds};
 use crate::sensing::pairing::{EventRejection, MAX_LEAD_S};
 use arrayvec::ArrayVec;
 use carried::{Carried, OWN_SUPPORT_S, Own, REPEAT_S, Told, wrap};
+use core::f64::consts::PI;
 use history::{History, LATEST_S};
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, Vector3};
 use offset::Offset;
-use std::f64::consts::PI;
 
 /// Choice: headings that wait for the magnetometer sample after them: a second of a camera's yaw at 30 Hz is more than any system holds back.
 const WAITING: usize = 32;

@@ -4,6 +4,8 @@
 
 use super::carried::wrap;
 use crate::priors::{BEYOND_CHANCE, OF_USE_DEG};
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::Vector3;
 
 /// The magnetometer's error is another where the device points elsewhere by this, deg: a disturbance that goes with the vehicle has one or two periods in a

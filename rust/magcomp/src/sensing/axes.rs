@@ -27,6 +27,8 @@ use super::tilt::{GRAVITY_M_S2, TILT_S};
 use super::turning::{KEPT, LARGEST_BIAS_RAD_S, is_no_chance};
 use crate::math::elementary::ln;
 use crate::math::turn::Turn;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::Vector3;
 
 /// Choice: readings on end that a living axis does not repeat: 5 was the most in 57 recordings.
@@ -34,7 +36,7 @@ const REPEATS: u32 = 50;
 /// Choice: rounding moves what a made up stream reads of gravity by less, the noise of a sensor by more, m/s^2.
 const MOVED_M_S2: f64 = 1e-3;
 /// Choice: the turn of a second, rad, root mean square, above which no hand turns a device: a whole one; arms that swing have 1.4, degrees taken for radians 20.
-const WHOLE_TURN_RAD: f64 = std::f64::consts::TAU;
+const WHOLE_TURN_RAD: f64 = core::f64::consts::TAU;
 
 /// Mathematics: sets of axes whose signs may be turned over, the empty one among them.
 const SETS: usize = 8;
@@ -76,7 +78,7 @@ impl Axes {
         }
         let has_moved = (up_m_s2 - self.up_m_s2).norm() > MOVED_M_S2;
         self.up_m_s2 = *up_m_s2;
-        let changed: [bool; 3] = std::array::from_fn(|axis| rotation.rate_rad_s[axis] != self.rate_rad_s[axis]);
+        let changed: [bool; 3] = core::array::from_fn(|axis| rotation.rate_rad_s[axis] != self.rate_rad_s[axis]);
         if changed == [false; 3] {
             self.frozen_s += span_s;
         } else {
@@ -122,7 +124,7 @@ impl Axes {
 
     /// A window is full.
     fn compare(&mut self) {
-        let means = std::mem::take(&mut self.sum).map(|sum| sum / self.length_s);
+        let means = core::mem::take(&mut self.sum).map(|sum| sum / self.length_s);
         if let Some(before) = self.before.replace(means) {
             let by_bias = LARGEST_BIAS_RAD_S * TILT_S * GRAVITY_M_S2;
             self.is_frozen |= self.frozen_s > 2.0 * self.length_s && (means[0] - before[0]).norm() > by_bias;

@@ -11,6 +11,8 @@
 use super::turning::{AS_READ, Frame, KEPT, frames, is_no_chance};
 use crate::math::elementary::ln;
 use crate::priors::{STEP_S, TILT_RAD};
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{SMatrix, SVector, Vector3};
 
 /// The products of gravity's components and the field's: row by row.

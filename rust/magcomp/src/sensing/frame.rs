@@ -94,7 +94,7 @@ impl Frame {
         is_full.then(|| {
             let increment_rad = rotation_vector(&self.turn);
             let Self { raw_ut, up_m_s2, times_s, bridged_rad2, length_s, before_rad, .. } =
-                std::mem::replace(self, Self { before_rad: increment_rad, ..Self::default() });
+                core::mem::replace(self, Self { before_rad: increment_rad, ..Self::default() });
             Whole {
                 raw_ut: raw_ut.mean(),
                 up_m_s2: up_m_s2.mean(),

@@ -11,7 +11,7 @@ use super::pairing::{MAX_LEAD_S, STALE_S};
 use crate::range::{ConfigError, in_range};
 use crate::room::Roomy;
 use crate::sample::{MagneticSample, RotationRateSample, UpSample};
-use std::collections::VecDeque;
+use alloc::collections::VecDeque;
 
 /// Choice: events that can wait: 0.25 s of two inertial sensors at 400 Hz and a magnetometer at 100 Hz.
 const ROOM: usize = 256;

@@ -18,8 +18,10 @@ use crate::math::elementary::{gain, quaternion, rotation_vector};
 use crate::priors::STEP_S;
 use crate::sample::seconds;
 use arrayvec::ArrayVec;
+use core::mem::take;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::Vector3;
-use std::mem::take;
 
 /// Choice: events held of each sensor: 40 ms at 400 Hz, the interval of a 25 Hz magnetometer; an overflow folds the oldest rate.
 const EVENTS: usize = 16;

@@ -19,6 +19,8 @@ use crate::math::elementary::gain;
 use crate::priors::{HAND_RAD, STEP_S};
 use crate::sample::seconds;
 use crate::strength::EARTH_UT;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::Vector3;
 
 /// Physics: standard gravity, m/s^2.

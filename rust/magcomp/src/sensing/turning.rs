@@ -19,6 +19,8 @@
 use crate::math::elementary::{ln, turn_factors};
 use crate::priors::{OUTLYING, RARE, STEP_S};
 use crate::strength::EARTH_UT;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// Data sheet: the largest bias of a phone's gyroscope, rad/s: 0.095 was found.

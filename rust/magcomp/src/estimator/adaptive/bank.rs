@@ -17,9 +17,12 @@ use crate::math::symmetric::{basis, six};
 use crate::priors::{HOPELESS, IRON_PER_UT, LARGEST_UT, RARE, ROOM_UT};
 use crate::room::Roomy;
 use crate::strength::EARTH_SD;
+use alloc::vec::Vec;
 use arrayvec::ArrayVec;
+use core::f64::consts::{FRAC_1_SQRT_2, LN_2};
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, SMatrix, Vector3};
-use std::f64::consts::{FRAC_1_SQRT_2, LN_2};
 
 /// Choice: hypotheses that are kept.
 const MOST: usize = 18;

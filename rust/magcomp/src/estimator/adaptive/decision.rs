@@ -8,6 +8,8 @@ use crate::estimator::answer::LEAST_TOLD_UT;
 use crate::priors::RARE;
 use crate::reading::{Event, EventKind, ModelOrder};
 use crate::sample::seconds;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 
 /// The latest decision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -5,6 +5,8 @@ use super::filter::Kind;
 use crate::explanation::{
     ChangeHypothesis, ChangeKind, EXPLAINED_HYPOTHESES, Estimator, EstimatorPhase, Explanation, NoiseLevels, SampleUse,
 };
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 
 impl Adaptive {
     pub fn explain(&self) -> Explanation {

@@ -15,6 +15,8 @@ use crate::math::ldl::Ldl;
 use crate::noise::Process;
 use crate::priors::IRON_PER_UT;
 use crate::sample::seconds;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::Vector3;
 
 /// Choice: calibrations nearer than this (units, and relative for T) are in one place. A mean that is further from `lin` wants another run.

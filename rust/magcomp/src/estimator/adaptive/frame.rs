@@ -4,8 +4,11 @@
 use crate::math::elementary::ln;
 use crate::noise::{Lasting, Process};
 use crate::room::Roomy;
+use alloc::vec::Vec;
+use core::f64::consts::LN_2;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::Vector3;
-use std::f64::consts::LN_2;
 
 /// See the module.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -33,6 +33,8 @@ use decision::Decision;
 use filter::Kind;
 use frame::{Frame, Noise};
 use grouping::{Group, Grouping};
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{SMatrix, Vector3};
 use parameters::{Gaussian, NOTHING, is_bounded};
 use published::Published;
@@ -93,7 +95,7 @@ impl Adaptive {
 
     /// As new, in the memory that is there.
     pub fn restart(&mut self, initial: Option<Given>) {
-        let mut bank = std::mem::take(&mut self.bank);
+        let mut bank = core::mem::take(&mut self.bank);
         bank.clear();
         *self = Self::in_memory(bank, self.tuning, self.strength_ut, initial);
     }
@@ -240,7 +242,7 @@ impl Adaptive {
         }
         let variance = self.stays.variance(length)?;
         stay.frames += 1;
-        Some((std::mem::take(&mut stay.pooled), variance, moved_s))
+        Some((core::mem::take(&mut stay.pooled), variance, moved_s))
     }
 
     /// What the best hypothesis misses tells of the noise, where it is known well enough.

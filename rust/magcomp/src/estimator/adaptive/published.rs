@@ -10,6 +10,8 @@ use crate::calibration::Calibration;
 use crate::math::elementary::cbrt;
 use crate::math::symmetric::{basis, six};
 use crate::priors::OUTLYING;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 type Matrix9 = SMatrix<f64, 9, 9>;

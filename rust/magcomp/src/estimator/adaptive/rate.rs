@@ -12,6 +12,8 @@ mod tests;
 use super::parameters::{Numbers, STATES};
 use crate::math::elementary::exp;
 use crate::noise::Process;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// Units a second; zero and sure where b rests.

@@ -13,6 +13,8 @@ mod tests;
 
 use super::frame::Frame;
 use crate::priors::BEYOND_CHANCE;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, Vector3};
 
 /// See the module.

@@ -20,9 +20,11 @@ use super::tuning::Tuning;
 use crate::math::elementary::ln;
 use crate::noise::{Lasting, Process};
 use crate::priors::{OUTLYING, RARE};
+use core::f64::consts::FRAC_1_SQRT_2;
+use core::ops::Range;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, SMatrix, Vector3};
-use std::f64::consts::FRAC_1_SQRT_2;
-use std::ops::Range;
 
 /// Format: place of the level of the place in the state, after tau.
 const LEVEL: usize = 0;
@@ -109,7 +111,7 @@ impl<const N: usize> State<N> {
         let k = pg / s;
         self.x -= k * nu;
         (0..N).for_each(|j| self.p.column_mut(j).axpy(-pg[j], &k, 1.0));
-        self.log -= 0.5 * (nu * nu / s + ln(std::f64::consts::TAU * s));
+        self.log -= 0.5 * (nu * nu / s + ln(core::f64::consts::TAU * s));
     }
 
     fn reset(&mut self, at: usize, variance: f64) {

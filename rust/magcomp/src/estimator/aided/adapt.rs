@@ -15,6 +15,8 @@
 
 use crate::math::elementary::{exp, gain};
 use crate::priors::BEYOND_CHANCE;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, Vector3};
 
 use super::measure::Innovation;

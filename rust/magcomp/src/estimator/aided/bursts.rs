@@ -10,6 +10,8 @@
 
 use super::tuning::Tuning;
 use crate::math::elementary::{exp, ln};
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 
 /// See the module.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -48,7 +50,7 @@ impl Bursts {
 
     /// It was the place's doing, or nothing.
     pub(super) fn was_the_place(&mut self) {
-        let Misfits { count, gated_share } = std::mem::take(&mut self.open);
+        let Misfits { count, gated_share } = core::mem::take(&mut self.open);
         self.known.count += count;
         self.known.gated_share += gated_share;
     }

@@ -8,6 +8,8 @@
 //! ```
 
 use crate::math::elementary::{exp, hypot};
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, Vector3};
 
 use super::state::{BIAS, FIELD, Filter};

@@ -20,6 +20,8 @@ use crate::explanation::{ChangeHypothesis, ChangeKind};
 use crate::math::elementary::gain;
 use crate::reading::EventKind;
 use crate::strength::STRONGEST_AXIS_UT;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 
 /// Choice: a hypothesis has failed when most samples of late were a misfit to it; so has the filter as it was.
 const MOST: f64 = 0.5;

@@ -1,5 +1,7 @@
 //! What the estimator tells of its inside (`Compensator::explain`). Nothing here changes it.
 
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::Vector3;
 
 use super::Aided;

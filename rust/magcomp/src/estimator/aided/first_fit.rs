@@ -7,7 +7,9 @@
 //! ```
 //! Source: docs/dev/METHOD-AIDED.md, Start.
 
-use std::ops::Range;
+use core::ops::Range;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
@@ -198,14 +200,14 @@ impl FirstFit {
         BIAS.set(&mut mean, &self.bias_rad_s);
         let mut precision = Matrix::zeros();
         let iron = 1.0 / tuning.iron_sd.powi(2);
-        FIELD.block_mut(&mut precision).fill_diagonal(STRONGEST_AXIS_UT.powi(-2));
+        FIELD.block_mut(&mut precision).fill_diagonal(1.0 / STRONGEST_AXIS_UT.powi(2));
         HARD_IRON.block_mut(&mut precision).fill_diagonal(1.0 / LARGEST_UT.powi(2));
         let elements = SVector::from([1.0, 1.0, 1.0, 2.0, 2.0, 2.0]) * iron;
         SOFT_IRON.block_mut(&mut precision).set_diagonal(&elements);
         BIAS.block_mut(&mut precision).fill_diagonal(1.0 / self.bias_variance);
-        let delay = if tuning.delay { DELAY_SD_S.powi(-2) } else { 1.0 / DELAY.least_variance() };
+        let delay = if tuning.delay { 1.0 / DELAY_SD_S.powi(2) } else { 1.0 / DELAY.least_variance() };
         DELAY.block_mut(&mut precision).fill_diagonal(delay);
-        let axes = if tuning.gyroscope_axes { tuning.axes_sd.powi(-2) } else { 1.0 / AXES.least_variance() };
+        let axes = if tuning.gyroscope_axes { 1.0 / tuning.axes_sd.powi(2) } else { 1.0 / AXES.least_variance() };
         AXES.block_mut(&mut precision).fill_diagonal(axes);
         if let Some((given, known)) = given.and_then(|given| Some((given, given.precision()?))) {
             CALIBRATION.set(&mut mean, &given.calibration.mean);

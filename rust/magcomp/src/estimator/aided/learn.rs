@@ -20,6 +20,8 @@ use crate::math::elementary::exp;
 use crate::math::turn::Turn;
 use crate::reading::Status;
 use crate::sensing::frame::Piece;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 
 impl Aided {
     /// One sample with a rotation.

@@ -10,6 +10,8 @@
 //! stay as they are, yet their uncertainty counts. P stays symmetric by construction. Source: docs/dev/METHOD-AIDED.md.
 
 use crate::math::elementary::ln;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::state::{BIAS, DELAY, ELEMENT, FIELD, Filter, HARD_IRON, LOCAL, Parts, SOFT_IRON, STATES, covariance};

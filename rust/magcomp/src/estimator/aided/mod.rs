@@ -34,6 +34,8 @@ mod turned;
 mod watch;
 
 use crate::sample::seconds;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use crate::calibration::Calibration;

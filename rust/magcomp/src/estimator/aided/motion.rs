@@ -13,6 +13,8 @@
 use crate::math::elementary::{cbrt, gain};
 use crate::priors::TILT_RAD;
 use crate::sensing::tilt::GRAVITY_M_S2;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, Vector3};
 
 use super::propagate::ANGLE_WALK_RAD;

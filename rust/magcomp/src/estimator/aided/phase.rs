@@ -62,6 +62,6 @@ impl Phase {
 
     /// What is there, for a moment in which nothing is.
     pub(super) fn take(&mut self) -> Self {
-        std::mem::replace(self, Self::Starting(FirstFit::default()))
+        core::mem::replace(self, Self::Starting(FirstFit::default()))
     }
 }

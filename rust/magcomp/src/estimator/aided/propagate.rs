@@ -14,6 +14,8 @@
 //! Only the rows and columns of m and d change in F P F^T. Source: docs/dev/METHOD-AIDED.md.
 
 use crate::math::elementary::exp;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, Vector3, Vector6};
 
 use super::state::{BIAS, FIELD, Filter, HARD_IRON, LOCAL, Parts, STATES};

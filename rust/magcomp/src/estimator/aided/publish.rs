@@ -8,6 +8,8 @@
 //! ```
 //! L, F, rho and G: `adapt`. w, h and s belong to a new place (`earth`); elsewhere f is m; age is how long the sample has waited for the gyroscope.
 
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, Vector3};
 
 use super::Aided;

@@ -15,6 +15,8 @@ use super::tuning::Tuning;
 use super::turned::Turned;
 use crate::math::elementary::exp;
 use crate::math::turn::Turn;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 
 /// The filter without what the samples of the last one to two seconds have told it.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -42,7 +44,7 @@ impl Quarantine {
         self.age_s += dt_s;
         if self.age_s > tuning.local_time_s || self.pending.is_none() {
             self.age_s = 0.0;
-            let way = std::mem::take(&mut self.since);
+            let way = core::mem::take(&mut self.since);
             self.proven = self.pending.take().map(|filter| (filter, way));
             self.pending = Some(filter.clone());
         }
@@ -50,7 +52,7 @@ impl Quarantine {
 
     /// The filter to go on from at a misfit, if there is one.
     pub(super) fn take_back(&mut self, noise: &ProcessNoise) -> Option<Filter> {
-        let Self { proven, pending, since, .. } = std::mem::take(self);
+        let Self { proven, pending, since, .. } = core::mem::take(self);
         match proven {
             Some((filter, way)) => Some(way.joined(&since).bring(filter, noise)),
             None => pending.map(|filter| since.bring(filter, noise)),

@@ -1,5 +1,7 @@
 //! The filter that follows the samples, and what belongs to it.
 
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, Vector3};
 
 use super::earth::Earth;

@@ -6,6 +6,8 @@
 //! ```
 
 use crate::math::elementary::hypot;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::Vector3;
 
 use super::Aided;

@@ -12,7 +12,9 @@
 //!
 //! raw = M h + b leaves the scale between M and |h| free, so E is held traceless. Source: docs/dev/METHOD-AIDED.md.
 
-use std::ops::Range;
+use core::ops::Range;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 

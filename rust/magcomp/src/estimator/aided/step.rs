@@ -1,5 +1,7 @@
 //! One sample with a rotation, as the parts of the estimator share it.
 
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, Vector3};
 
 use super::propagate::ProcessNoise;

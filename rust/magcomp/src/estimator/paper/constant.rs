@@ -7,6 +7,7 @@ use crate::calibration::{Calibration, LARGEST_RAW_UT};
 use crate::coverage::Coverage;
 use crate::ellipsoid::{EllipsoidFit, FitError, FitOptions, Moments, fit_ellipsoid};
 use crate::reading::RejectReason;
+use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 /// Collects orientations, shows which directions are missing, and fits.

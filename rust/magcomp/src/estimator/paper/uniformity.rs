@@ -10,8 +10,10 @@ mod tests;
 
 use crate::calibration::Calibration;
 use crate::math::elementary::{atan2, hypot};
+use core::f64::consts::SQRT_2;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::Vector3;
-use std::f64::consts::SQRT_2;
 
 /// What the standard deviations in (15) are divided by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

@@ -3,8 +3,10 @@
 use crate::calibration::typical_field_ut;
 use crate::ellipsoid::Moments;
 use crate::room::Roomy;
+use alloc::collections::VecDeque;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::Vector3;
-use std::collections::VecDeque;
 
 /// Choice: the moments are taken about a new centre when the ellipsoid's is further away than this many field strengths, and when their scale is less than this
 /// share of the field, or the reverse: moments keep 12 digits there (tests/host/direct.rs).

@@ -21,6 +21,8 @@ use crate::estimator::answer::{Answer, Counted, Known};
 use crate::explanation::{EXPLAINED_HYPOTHESES, Estimator, EstimatorPhase, Explanation, NoiseLevels, SampleUse};
 use crate::reading::{HoldReason, Missing, Status};
 use crate::sample::MagneticSample;
+#[cfg(not(feature = "std"))]
+use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, Vector3};
 
 /// Choice: the constant method keeps its first fit that predicts direction errors below this, deg: an even sphere of 100 samples at 30 dB reaches 0.7
