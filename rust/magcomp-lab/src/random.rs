@@ -31,6 +31,10 @@ pub enum Purpose {
     Sensors = 10,
     /// What changed since an earlier launch.
     EarlierLaunch = 11,
+    /// The field of a room.
+    Room = 12,
+    /// A magnet that is put on a recording.
+    Magnet = 13,
 }
 
 /// A generator with the few distributions the lab needs.

@@ -1,7 +1,7 @@
 //! The catalogue's streams of what goes wrong for users are what their lines say: sizes, times, rates, delays and shapes, by the truth.
 
 use magcomp::nalgebra::{Matrix3, Vector3};
-use magcomp_lab::catalogue::{Group, Sensors, Variant, all, find};
+use magcomp_lab::catalogue::{Group, Happening, Place, Sensors, Variant, all, find};
 use magcomp_lab::inertial::GRAVITY_M_S2;
 use magcomp_lab::parallel::{cores, map};
 use magcomp_lab::simulate::{Scenario, Simulation};
@@ -21,9 +21,10 @@ const NEW: [Group; 10] = [
     Group::Gyroscope,
 ];
 
-/// A variant's streams.
+/// A variant's streams without the field of the room, which is none of what its line says.
 fn scenarios(variant: &Variant) -> Vec<Scenario> {
-    SEEDS.map(|seed| variant.scenario(seed)).collect()
+    let even = Variant { place: Place::Even, ..variant.clone() };
+    SEEDS.map(|seed| even.scenario(seed)).collect()
 }
 
 /// The variants of a group whose line this is.
@@ -71,6 +72,44 @@ fn the_groups_cost_no_more_than_those_before_them() {
     let (new, old): (Vec<Variant>, Vec<Variant>) = all().into_iter().partition(|it| NEW.contains(&it.group));
     let [new, old] = [new, old].map(|variants| variants.iter().map(samples).sum::<f64>());
     within("samples", new / old, 0.2..=1.0);
+}
+
+/// Rooms have 1 to 1.5 uT on each axis (what is left of it along a way, three of four times that and more); what does not move has a constant field;
+/// places of uneven lines, the paper's and those that say so have nothing of a room.
+#[test]
+fn places_are_rooms_but_where_their_line_tells_another_unevenness() {
+    let side_ut = |name: &str| {
+        let sides = SEEDS.map(|seed| {
+            let scenario = find(name).unwrap().scenario(seed);
+            let fields = besides(&scenario, 0.0, scenario.duration_s, 10.0);
+            let mean = fields.iter().sum::<Vector3<f64>>() / fields.len() as f64;
+            assert!(mean.norm() < 0.1, "{name}: north is turned by {mean}");
+            rms(&fields.iter().map(|field| field.x).collect::<Vec<_>>())
+        });
+        rms(&sides.collect::<Vec<_>>())
+    };
+    for name in ["phone-walk-steady", "alone.stroll-steady", "motion.walk", "motion.pocket"] {
+        within(name, side_ut(name), 0.9..=1.7);
+    }
+    // moved by a hand or about a body, through less than a metre of the room
+    for name in ["phone-steady", "motion.game", "one-axis.vertical-0", "motion.look"] {
+        within(name, side_ut(name), 0.15..=1.2);
+    }
+    within("a car", side_ut("motion.drive"), 0.8..=1.8);
+    for name in ["phone-still", "launches.0ut-at-rest", "places.even-walk", "places.even-game", "step-walk"] {
+        within(name, side_ut(name), 0.0..=1e-9);
+    }
+    for variant in all() {
+        let is_uneven = variant.happens.iter().any(|it| matches!(it, Happening::Uneven(..)));
+        let is_even = is_uneven || variant.group == Group::Paper || variant.name.starts_with("places.even-");
+        assert_eq!(variant.place == Place::Even, is_even, "{}", variant.name);
+    }
+    // all else of a stream is as it would be in an even place
+    let variant = find("motion.game").unwrap();
+    let (room, even) = (variant.stream(2), Variant { place: Place::Even, ..variant }.stream(2));
+    assert_eq!((&room.rotation_rates, &room.ups, &room.changes), (&even.rotation_rates, &even.ups, &even.changes));
+    let noise = |it: &Simulation| it.magnetic[500].field_ut - it.truth[500].clean_ut;
+    assert!((noise(&room) - noise(&even)).norm() < 0.15 && room.magnetic != even.magnetic);
 }
 
 #[test]

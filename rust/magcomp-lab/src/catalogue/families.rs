@@ -1,11 +1,12 @@
-//! Phones as they are carried, with the sensors' usual errors and delays: 48 uT and a dip of 63 degrees where not said otherwise, |b| of 10 to 250 uT,
-//! noise of 0.4 uT in steps of 0.15, stamps 5 ms late, a gyroscope with bias, drift, scale and axes of its own, accelerations of the motion.
+//! Phones as they are carried, with the sensors' usual errors and delays: 48 uT and a dip of 63 degrees where not said otherwise, in rooms
+//! ([`Place`]), |b| of 10 to 250 uT, noise of 0.4 uT in steps of 0.15, stamps 5 ms late, a gyroscope with bias, drift, scale and axes of its own,
+//! accelerations of the motion.
 
 use super::group::Group;
 use super::happening::{By, Happening, When};
 use super::phones::{PhoneChange, phone};
 use super::sensors::Sensors;
-use super::variant::{DeviceKind, Variant};
+use super::variant::{DeviceKind, Place, Variant};
 use crate::motion::Motion::{self, Call, Drive, DriveHand, Game, Look, Mixed, Pocket, Table, Text};
 use crate::simulate::Noise;
 use magcomp::nalgebra::Vector3;
@@ -30,11 +31,13 @@ pub(super) fn carried(
     duration_s: f64,
     happens: Vec<Happening>,
 ) -> Variant {
+    let is_uneven = happens.iter().any(|it| matches!(it, Happening::Uneven(..)));
     Variant {
         about: about.to_owned(),
         group,
         duration_s,
         earth: (48.0, 63.0),
+        place: if is_uneven { Place::Even } else { Place::of(motion) },
         device: DeviceKind::Carried(10.0, 250.0),
         change_s: CHANGE_S,
         happens,
@@ -143,13 +146,19 @@ fn places() -> Vec<Variant> {
         let about = format!("the place uneven by {rms_ut} uT from 30 s on");
         one(&format!("uneven{rms_ut}"), &about, Text, 160.0, vec![Happening::Uneven(rms_ut, 30.0)])
     });
+    let even = |(motion, way): (Motion, &str)| {
+        let about = format!("{way}, b steps by 20 uT, the place even");
+        let happens = vec![change(CHANGE_S, 20.0, SOFT)];
+        let variant = one(&format!("even-{way}"), &about, motion, DURATION_S, happens);
+        Variant { place: Place::Even, ..variant }
+    };
     let doors = [50.0, 75.0, 100.0, 125.0].map(|at_s| Happening::Door(30.0, at_s, 2.0));
     let room = |for_s| Happening::Room(25.0, 50.0, for_s);
     let cover = By::Offset([20.0, -15.0, 10.0]);
     let covered = Happening::Step { when: When::At(60.0), by: cover, over_s: PUT_ON_S, for_s: None };
     let car = || vec![Happening::Vehicle(30.0, 30.0, 0.2)];
-    uneven
-        .into_iter()
+    (BOTH.map(even).into_iter())
+        .chain(uneven)
         .chain([
             one("doors", "four steel doors of 30 uT", Text, 160.0, doors.to_vec()),
             one("room10s", "another room by 25 uT for 10 s", Text, 120.0, vec![room(10.0)]),

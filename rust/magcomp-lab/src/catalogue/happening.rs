@@ -255,7 +255,7 @@ fn wandering_hz(hz: f64, random: &mut Random) -> f64 {
     (hz + 0.02 * random.normal()) * (1.0 + 0.002 * random.normal())
 }
 
-fn symmetric(rms: f64, random: &mut Random) -> Matrix3<f64> {
+pub(crate) fn symmetric(rms: f64, random: &mut Random) -> Matrix3<f64> {
     let [xx, yy, zz, xy, xz, yz] = [(); 6].map(|()| random.normal() * rms);
     Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
 }

@@ -17,10 +17,12 @@ mod sensors;
 mod variant;
 
 pub use group::Group;
+pub(crate) use happening::symmetric;
 pub use happening::{By, Happening, Swing, When};
 pub use phones::{CHANGE_S, FIELD_UT, PLACE_S, PhoneChange, phone};
 pub use sensors::Sensors;
-pub use variant::{DeviceKind, Kept, Variant};
+pub(crate) use variant::hash;
+pub use variant::{DeviceKind, Kept, Place, ROOM_UT, Variant};
 
 impl Group {
     /// Its variants, in the order of the table.

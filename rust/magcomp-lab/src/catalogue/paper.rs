@@ -4,7 +4,7 @@ use super::group::Group;
 use super::happening::{By, Happening, When};
 use super::phones::{PhoneChange, phone};
 use super::sensors::Sensors;
-use super::variant::{DeviceKind, Variant};
+use super::variant::{DeviceKind, Place, Variant};
 use crate::motion::Motion;
 use crate::parameters::ParameterSet;
 use crate::simulate::{Noise, Spikes};
@@ -54,6 +54,7 @@ fn paper(name: &str, about: &str, motion: Motion, happens: Vec<Happening>) -> Va
         group: Group::Paper,
         duration_s: 65.0,
         earth: (FIELD_UT, 60.0),
+        place: Place::Even,
         device: DeviceKind::Set(ParameterSet::Mid),
         change_s: CHANGE_S,
         happens,

@@ -3,7 +3,7 @@
 use super::group::Group;
 use super::happening::{By, Happening, When};
 use super::sensors::Sensors;
-use super::variant::{DeviceKind, Variant};
+use super::variant::{DeviceKind, Place, Variant};
 use crate::motion::Motion;
 use crate::simulate::Spikes;
 use clap::ValueEnum;
@@ -95,6 +95,7 @@ pub fn phone(name: &str, motion: Motion, change: PhoneChange) -> Variant {
         one_axis: None,
         shaken: None,
         earth: (FIELD_UT, DIP_DEG),
+        place: Place::of(motion),
         device: DeviceKind::Phone,
         change_s: CHANGE_S,
         happens: change.happens(),

@@ -7,6 +7,7 @@ use crate::motion::{Motion, Shake, Trajectory};
 use crate::parameters::{ParameterSet, Parameters};
 use crate::random::{Purpose, Random};
 use crate::simulate::{Noise, Scenario, Simulation, world_field_ut};
+use crate::surroundings::Surrounding;
 use magcomp::nalgebra::Matrix3;
 use magcomp::{Calibration, CalibrationSource, Config, HeadingConfig, KEPT_VERSION, KeptCalibration, ReferenceAxis};
 
@@ -33,6 +34,8 @@ pub struct Variant {
     pub shaken: Option<Shake>,
     /// Strength, uT, and dip, degrees, of the Earth's field.
     pub earth: (f64, f64),
+    /// What the place has beside it.
+    pub place: Place,
     /// How M and b are drawn.
     pub device: DeviceKind,
     /// When it changes, s: methods are compared from here on.
@@ -50,6 +53,32 @@ pub struct Variant {
     /// `Config::rail_ut`.
     pub rail_ut: Option<f64>,
 }
+
+/// What a place has beside the Earth's field while nothing happens, drawn by itself: all else of a stream stays when it changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// Nothing: as no real place, or what is told is its unevenness.
+    Even,
+    /// What rooms have ([`Surrounding::room`]), between these sideways, uT: [`ROOM_UT`].
+    Room,
+    /// What is driven past: as large, and as slow for a car as a room for a walker. A guess, not measured.
+    Street,
+}
+
+impl Place {
+    /// Where somebody is who moves like this.
+    pub(super) fn of(motion: Motion) -> Self {
+        match motion {
+            Motion::Drive | Motion::DriveHand => Self::Street,
+            _ => Self::Room,
+        }
+    }
+}
+
+/// Sideways, root mean square over a whole room, uT: measured in rooms with cameras was 1.39, the sensor's noise included.
+pub const ROOM_UT: (f64, f64) = (1.0, 1.5);
+/// A car goes so many times as fast as a walker.
+const CAR: f64 = 8.0;
 
 /// A calibration that an earlier launch learned, and what happened since.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,6 +161,16 @@ impl Variant {
         for happening in &self.happens {
             happening.draw(&setting, &device, &trajectory, &mut random, &mut drawn);
         }
+        let longer = match self.place {
+            Place::Even => None,
+            Place::Room => Some(1.0),
+            Place::Street => Some(CAR),
+        };
+        drawn.surroundings.extend(longer.map(|longer| {
+            let mut random = Random::new(seed, Purpose::Room);
+            let side_ut = random.uniform(ROOM_UT.0, ROOM_UT.1);
+            Surrounding::room(side_ut, longer, self.duration_s, &trajectory, &mut random)
+        }));
         let (magnetometer, gyroscope, accelerometer) = self.sensors.draw(&mut Random::new(seed, Purpose::Sensors));
         Scenario {
             seed,
@@ -183,6 +222,6 @@ impl DeviceKind {
 }
 
 /// FNV-1a, so that streams of one seed share nothing between variants.
-fn hash(name: &str) -> u64 {
+pub(crate) fn hash(name: &str) -> u64 {
     name.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }

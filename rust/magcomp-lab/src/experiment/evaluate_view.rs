@@ -35,6 +35,9 @@ const NOTES: &str = "\
   headings of the automatic axis. Phones have 60 s at 100 Hz, a field of 50 uT with a dip of 60 degrees, white noise of 0.5 uT, and what happens,
   happens at 30 s. Carried phones have 80 s and more, the errors and delays that sensors of phones have, and accelerations of the motion; their device
   changes at 40 s where not said otherwise. `magcomp evaluate --list` has the names, and the lab's `catalogue` the data.
+* Places are no more even than rooms: 1 to 1.5 uT on each axis along a way through the whole room, with the spectrum that walks with motion capture have
+  (the lab's `surroundings` says how it was measured), less the mean of the run's own way. A device at rest has a constant field, one in a car the same
+  unevenness eight times as long, a guess. Where a line tells the unevenness there is no other; two lines say that the place is even, and the paper's are.
 * The lab's `score` defines each word. All is judged from 20 s on, where it does not say otherwise.
 * In the groups from swinging fields to gyroscopes at fault a line is one thing that users met, made up, in two or more ways of carrying; the device does not
   change where it is not said. The lab's tests hold that each stream is what its line says, not that its figures are good.

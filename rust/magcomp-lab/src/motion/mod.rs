@@ -31,8 +31,13 @@ const SWING_DEG: f64 = 17.0;
 const STROLL_DEG: f64 = 8.0;
 const STROLL_SWAY_DEG: f64 = 4.0;
 const STROLL_LIMIT_DEG: f64 = 20.0;
-/// Steps of a pedestrian per second.
+/// Steps of a pedestrian per second, and the speed, m/s.
 const STEPS_HZ: f64 = 1.9;
+const WALKS_M_S: f64 = 1.3;
+/// A hand that turns a device moves it: so far on each axis, root mean square, m, and for how long in one direction, s. Arms reach no further, and
+/// do not go faster (0.6 m/s on an axis).
+const HAND_M: f64 = 0.2;
+const HAND_S: f64 = 0.35;
 
 /// Kinds of motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -90,7 +95,8 @@ impl Trajectory {
             angle += rates[k].x * GRID_S;
             UnitQuaternion::from_scaled_axis(tilt) * turned * start
         });
-        Self::from_attitudes(attitudes.collect(), GRID_S)
+        let attitudes = attitudes.collect();
+        Self::from_attitudes(attitudes, GRID_S).at_positions(Grid { count, step_s: GRID_S }.hand(random))
     }
 }
 
@@ -98,6 +104,7 @@ impl Motion {
     /// A trajectory of `duration_s`; `sample_period_s` is the magnetometer's, for [`Motion::Uniform`].
     pub fn trajectory(self, duration_s: f64, sample_period_s: f64, random: &mut Random) -> Trajectory {
         let count = (duration_s / GRID_S).ceil() as usize + 1;
+        let grid = Grid { count, step_s: GRID_S };
         match self {
             Self::Uniform => {
                 let count = (duration_s / sample_period_s).ceil() as usize + 1;
@@ -107,14 +114,15 @@ impl Motion {
             }
             Self::Tumble => {
                 let start = random.attitude();
-                Trajectory::from_rates(start, wandering(count, TUMBLE_RAD_S / 3f64.sqrt(), random))
+                let rates = wandering(count, TUMBLE_RAD_S / 3f64.sqrt(), random);
+                Trajectory::from_rates(start, rates).at_positions(grid.hand(random))
             }
-            Self::Walk => Trajectory::from_attitudes(walk(count, random), GRID_S),
-            Self::Stroll => Trajectory::from_attitudes(stroll(count, random), GRID_S),
+            Self::Walk => walk(grid, random),
+            Self::Stroll => stroll(grid, random),
             Self::Planar => {
                 let (start, axis) = (random.attitude(), random.direction());
                 let rates = wandering(count, TUMBLE_RAD_S, random).iter().map(|rate| axis * rate.x).collect();
-                Trajectory::from_rates(start, rates)
+                Trajectory::from_rates(start, rates).at_positions(grid.hand(random))
             }
             Self::Still => Trajectory::from_rates(random.attitude(), vec![Vector3::zeros(); count]),
             Self::Text => Mover::new(duration_s, random).text(),
@@ -167,37 +175,39 @@ fn gait(k: usize) -> f64 {
     TAU * STEPS_HZ * k as f64 * GRID_S
 }
 
+/// Of somebody who walks where the heading points.
+fn on_the_way(grid: Grid, heading: &[f64], attitude: impl FnMut(usize) -> UnitQuaternion<f64>) -> Trajectory {
+    let attitudes = (0..grid.count).map(attitude).collect();
+    Trajectory::from_attitudes(attitudes, GRID_S).at_positions(grid.way(heading, |_| WALKS_M_S))
+}
+
 /// Heading held for 3 to 8 s, then turned in 1 to 2 s; slow swings of pitch and roll; a sway at the rate of the steps.
-fn walk(count: usize, random: &mut Random) -> Vec<UnitQuaternion<f64>> {
-    let heading = Grid { count, step_s: GRID_S }.turns(&WALKED, random);
-    let (pitch, roll) = (swing(count, random), swing(count, random));
+fn walk(grid: Grid, random: &mut Random) -> Trajectory {
+    let heading = grid.turns(&WALKED, random);
+    let (pitch, roll) = (swing(grid.count, random), swing(grid.count, random));
     let degrees = |deg: f64| deg.to_radians();
-    (0..count)
-        .map(|k| {
-            let step = gait(k);
-            UnitQuaternion::from_euler_angles(
-                roll[k] + degrees(3.0) * (step / 2.0).sin(),
-                pitch[k] + degrees(2.0) * step.sin(),
-                heading[k] + degrees(2.0) * (step / 2.0 + 1.0).sin(),
-            )
-        })
-        .collect()
+    on_the_way(grid, &heading, |k| {
+        let step = gait(k);
+        UnitQuaternion::from_euler_angles(
+            roll[k] + degrees(3.0) * (step / 2.0).sin(),
+            pitch[k] + degrees(2.0) * step.sin(),
+            heading[k] + degrees(2.0) * (step / 2.0 + 1.0).sin(),
+        )
+    })
 }
 
 /// Heading held for 1.5 to 4.5 s, then turned in 1.5 s; pitch and roll wander and sway.
-fn stroll(count: usize, random: &mut Random) -> Vec<UnitQuaternion<f64>> {
-    let heading = Grid { count, step_s: GRID_S }.turns(&STROLLED, random);
+fn stroll(grid: Grid, random: &mut Random) -> Trajectory {
+    let heading = grid.turns(&STROLLED, random);
     // the hand that follows it takes out as much of the wandering as is given more of it
-    let wander = followed(wandering(count, STROLL_DEG * (1.0 + FOLLOWS_S / WANDER_S).sqrt(), random));
+    let wander = followed(wandering(grid.count, STROLL_DEG * (1.0 + FOLLOWS_S / WANDER_S).sqrt(), random));
     let tilt = |wander: f64, phase: f64| {
         (wander + STROLL_SWAY_DEG * phase.sin()).clamp(-STROLL_LIMIT_DEG, STROLL_LIMIT_DEG).to_radians()
     };
-    (0..count)
-        .map(|k| {
-            let (roll, pitch) = (tilt(wander[k].x, gait(k) / 2.0), tilt(wander[k].y, gait(k)));
-            UnitQuaternion::from_euler_angles(roll, pitch, heading[k])
-        })
-        .collect()
+    on_the_way(grid, &heading, |k| {
+        let (roll, pitch) = (tilt(wander[k].x, gait(k) / 2.0), tilt(wander[k].y, gait(k)));
+        UnitQuaternion::from_euler_angles(roll, pitch, heading[k])
+    })
 }
 
 /// Five slow waves (0.05 to 0.6 Hz), scaled to reach [`SWING_DEG`].

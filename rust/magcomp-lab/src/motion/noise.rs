@@ -1,6 +1,8 @@
 //! Random courses over time on an even grid: slow wandering, noise of a band of frequencies, easing, turns.
 
+use super::{HAND_M, HAND_S};
 use crate::random::Random;
+use magcomp::nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
 
 /// Waves that make up noise of a band: enough to look normal.
@@ -60,6 +62,22 @@ impl Grid {
             }
         }
         values
+    }
+
+    /// Where a hand is that turns a device, m: about one point.
+    pub(super) fn hand(self, random: &mut Random) -> Vec<Vector3<f64>> {
+        let [x, y, z] = [(); 3].map(|()| self.wander(HAND_S, HAND_M, random));
+        (0..self.count).map(|k| Vector3::new(x[k], y[k], z[k])).collect()
+    }
+
+    /// Where somebody is who goes where the heading, rad, points, m.
+    pub(super) fn way(self, heading: &[f64], speed_m_s: impl Fn(usize) -> f64) -> Vec<Vector3<f64>> {
+        let mut position = Vector3::zeros();
+        let step = |(k, heading): (usize, &f64)| {
+            position += Vector3::new(-heading.sin(), heading.cos(), 0.0) * (speed_m_s(k) * self.step_s);
+            position
+        };
+        heading.iter().enumerate().map(step).collect()
     }
 
     /// A heading, rad: held, turned, and so on, as the rule says.

@@ -5,8 +5,8 @@
 
 pub mod shaken;
 
-use super::Trajectory;
 use super::noise::{Grid, Turns, ease};
+use super::{Trajectory, WALKS_M_S};
 use crate::random::Random;
 use magcomp::nalgebra::{UnitQuaternion, Vector3};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -18,6 +18,8 @@ const HANDLED_S: f64 = 9.0;
 const PUT_S: f64 = 3.0;
 /// By how much, rad per axis.
 const HANDLED_RAD: f64 = 0.9;
+/// Somebody who turns on the spot holds it so far from the axis, m.
+const ARM_M: f64 = 0.4;
 /// Turns of somebody who walks.
 const WALKED: Turns =
     Turns { held_s: (4.0, 12.0), angle_deg: (25.0, 120.0), over_s: (0.9, 2.0), first_s: (2.0, 6.0), is_eased: true };
@@ -64,9 +66,13 @@ impl<'a> Mover<'a> {
 
     /// Position of somebody who walks where `yaw` points, m.
     fn walked(&mut self, yaw: &[f64]) -> Vec<Vector3<f64>> {
+        self.walked_now_and_then(yaw, |_| 1.0)
+    }
+
+    /// The same of somebody who stands at times: the share of the speed at a point of the grid.
+    fn walked_now_and_then(&mut self, yaw: &[f64], share: impl Fn(usize) -> f64) -> Vec<Vector3<f64>> {
         let wander = self.wander(4.0, 0.1);
-        let speed = |k: usize| 1.3 * (1.0 + wander[k]);
-        sum(yaw.iter().enumerate().map(|(k, yaw)| Vector3::new(-yaw.sin(), yaw.cos(), 0.0) * speed(k)))
+        self.grid.way(yaw, |k| WALKS_M_S * (1.0 + wander[k]) * share(k))
     }
 
     /// Acceleration of somebody's steps: up, forward and sideways, m/s^2.
@@ -183,7 +189,7 @@ impl<'a> Mover<'a> {
                 euler(yaw[k], pitch, roll) * handled[k] * loose(shaken[k])
             })
         };
-        let positions = sum((0..self.grid.count).map(|k| Vector3::new(-yaw[k].sin(), yaw[k].cos(), 0.0) * speed[k]));
+        let positions = self.grid.way(&yaw, |k| speed[k]);
         Trajectory { vehicle_yaw: yaw, ..self.trajectory(attitudes, acceleration).at_positions(positions) }
     }
 
@@ -199,7 +205,7 @@ impl<'a> Mover<'a> {
             now
         });
         let acceleration = self.band3(0.3, 4.0, 1.2);
-        self.trajectory(attitudes, acceleration)
+        self.trajectory(attitudes, acceleration).at_positions(self.grid.hand(self.random))
     }
 
     /// On a table, picked up now and then, and laid back another way round.
@@ -232,7 +238,9 @@ impl<'a> Mover<'a> {
         });
         let shaken = self.band3(0.3, 4.0, 1.5);
         let acceleration = shaken.iter().zip(&picked_up).map(|(shaken, share)| shaken * *share).collect();
-        Trajectory { picked_up_s: spans, ..self.trajectory(attitudes, acceleration) }
+        let hand = grid.hand(self.random);
+        let positions = hand.iter().zip(&picked_up).map(|(hand, share)| hand * *share).collect();
+        Trajectory { picked_up_s: spans, ..self.trajectory(attitudes, acceleration).at_positions(positions) }
     }
 
     /// On a table, the screen up, never touched.
@@ -255,7 +263,9 @@ impl<'a> Mover<'a> {
         let [sway, lean, tip] = [3.0, 5.0, 4.0].map(|sd| self.wander(1.0, sd));
         let attitudes = self.attitudes(|k| euler(yaw[k] + sway[k].to_radians(), 20.0 + lean[k], tip[k]));
         let acceleration = self.band3(0.3, 4.0, 0.4);
-        self.trajectory(attitudes, acceleration)
+        let before = |yaw: &f64| Vector3::new(-yaw.sin(), yaw.cos(), 0.0) * ARM_M;
+        let positions = yaw.iter().map(before).collect();
+        self.trajectory(attitudes, acceleration).at_positions(positions)
     }
 
     /// Rest, walking, turning over in the hands, in turns of 15 to 70 s. At rest time stands still for the motion.
@@ -304,7 +314,8 @@ impl<'a> Mover<'a> {
         });
         let steps = self.steps(&yaw, &gait, [2.0, 0.8, 0.6]);
         let acceleration = steps.iter().zip(&active).map(|(steps, active)| steps * active.clamp(0.0, 1.0)).collect();
-        self.trajectory(attitudes, acceleration).at_positions(self.walked(&yaw_now))
+        let positions = self.walked_now_and_then(&yaw_now, |k| active[k].clamp(0.0, 1.0));
+        self.trajectory(attitudes, acceleration).at_positions(positions)
     }
 
     fn attitudes(&self, attitude: impl FnMut(usize) -> UnitQuaternion<f64>) -> Vec<UnitQuaternion<f64>> {
@@ -322,17 +333,6 @@ fn euler(yaw_rad: f64, pitch_deg: f64, roll_deg: f64) -> UnitQuaternion<f64> {
     about(Vector3::z_axis(), yaw_rad)
         * about(Vector3::x_axis(), pitch_deg.to_radians())
         * about(Vector3::y_axis(), roll_deg.to_radians())
-}
-
-/// Running sum of velocities, as positions.
-fn sum(velocities: impl Iterator<Item = Vector3<f64>>) -> Vec<Vector3<f64>> {
-    let mut position = Vector3::zeros();
-    velocities
-        .map(|velocity| {
-            position += velocity * STEP_S;
-            position
-        })
-        .collect()
 }
 
 /// Central differences, per second.

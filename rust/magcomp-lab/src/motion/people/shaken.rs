@@ -63,13 +63,15 @@ impl Mover<'_> {
         } else {
             OUT_OF_STEP.map(|share| self.oscillation(share * shake.hz))
         };
-        let acceleration = (0..self.grid.count)
+        let acceleration: Vec<_> = (0..self.grid.count)
             .map(|k| {
                 let (sin, cos) = yaw[k].sin_cos();
                 let (ahead, aside) = (ahead[k], SECOND * aside[k]);
                 Vector3::new(aside * cos - ahead * sin, aside * sin + ahead * cos, SECOND * up[k]) * shake.moved_m_s2
             })
             .collect();
-        self.trajectory(attitudes, acceleration)
+        // as of a sine, and of one frequency: it is only to say how far it comes
+        let positions = acceleration.iter().map(|moved| moved * -(TAU * shake.hz).powi(-2)).collect();
+        self.trajectory(attitudes, acceleration).at_positions(positions)
     }
 }
