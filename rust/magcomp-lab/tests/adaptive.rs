@@ -17,7 +17,7 @@ use magcomp_recordings::recording::read;
 
 /// The calibration of the magnetometer alone, without gravity, judged as `magcomp compare` does.
 fn alone_at(name: &str, runs: u64, seed: u64, snr_db: Option<f64>) -> MethodScore {
-    let variant = find(name).unwrap().with_noise(snr_db.map(Noise::SnrDb));
+    let variant = find(name).unwrap().in_an_even_place().with_noise(snr_db.map(Noise::SnrDb));
     let found = run_variant(&variant, seed..seed + runs, Contestant::Adaptive, 0.0).expect("the default config");
     let (before, runs) = found.expect("it takes part");
     MethodScore::of(name, None, before, &runs)
@@ -29,7 +29,7 @@ fn alone(name: &str, runs: u64, seed: u64) -> MethodScore {
 
 /// Readings and events, with gravity.
 fn figures(name: &str, runs: usize, seed: u64) -> Vec<Figures> {
-    let variant = find(name).unwrap();
+    let variant = find(name).unwrap().in_an_even_place();
     let seeds: Vec<u64> = (seed..).take(runs).collect();
     let of = |seed: &u64| judged(&variant, *seed, Method::Adaptive, Ignore::default());
     map(&seeds, cores(), |seed| of(seed).expect("a valid config"))
@@ -169,7 +169,7 @@ fn fewer_than_one_false_alarm_in_a_million_samples() {
     const RUNS: usize = 500;
     for name in STEADY {
         for snr_db in [40.0, 30.0] {
-            let variant = find(name).unwrap().with_noise(Some(Noise::SnrDb(snr_db)));
+            let variant = find(name).unwrap().in_an_even_place().with_noise(Some(Noise::SnrDb(snr_db)));
             let seeds: Vec<u64> = (50_000..).take(RUNS).collect();
             let steps = map(&seeds, cores(), |seed| {
                 let run = judged(&variant, *seed, Method::Adaptive, Ignore::default()).expect("a run");

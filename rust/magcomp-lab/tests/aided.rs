@@ -1,5 +1,5 @@
 //! The aided method on simulated phones: events, what they cost, how soon it is over, honesty, drift. Seeds other than
-//! those of the core's own tests.
+//! those of the core's own tests. Where a limit is of what the estimator itself leaves, the place is even: in rooms the place makes most of the error.
 
 mod limits;
 
@@ -35,7 +35,7 @@ fn kinds(steps: &[Step]) -> Vec<EventKind> {
 fn a_disturbed_place_is_told_from_a_changed_device() {
     for seed in FIRST..FIRST + runs(3, 10) as u64 {
         for name in ["phone-hand-place", "phone-walk-place"] {
-            let (stream, steps) = run(&find(name).unwrap(), seed);
+            let (stream, steps) = run(&find(name).unwrap().in_an_even_place(), seed);
             assert_eq!(kinds(&steps), [EventKind::PlaceChanged], "{name}, seed {seed}");
             let during = (CHANGE_S * 100.0) as usize..((CHANGE_S + PLACE_S) * 100.0) as usize;
             let disturbed = |step: &Step| matches!(step.reading.status, Status::Disturbed { .. });
@@ -56,7 +56,7 @@ fn a_disturbed_place_is_told_from_a_changed_device() {
 fn a_changed_device_is_one_event_and_relearned() {
     for (name, most_s) in [("phone-hand", 2.5), ("phone-walk", 3.0)] {
         for seed in FIRST..FIRST + runs(3, 10) as u64 {
-            let (stream, steps) = run(&find(name).unwrap(), seed);
+            let (stream, steps) = run(&find(name).unwrap().in_an_even_place(), seed);
             assert_eq!(kinds(&steps), [EventKind::DeviceStep], "{name}, seed {seed}");
             let event = steps.iter().find_map(|step| step.reading.event).unwrap();
             let late_ns = event.since_ns - CHANGE_NS;
@@ -77,7 +77,7 @@ fn where_nothing_changes_there_is_no_event_and_the_covariance_is_right() {
         for snr_db in [40.0, 30.0] {
             let (mut sum, mut count) = (0.0, 0);
             for seed in FIRST..FIRST + runs(3, 10) as u64 {
-                let variant = find(name).unwrap().with_noise(Some(Noise::SnrDb(snr_db)));
+                let variant = find(name).unwrap().in_an_even_place().with_noise(Some(Noise::SnrDb(snr_db)));
                 let stream = variant.stream(seed);
                 let mut nees = Vec::new();
                 let recording = stream.recording(name);
@@ -96,6 +96,24 @@ fn where_nothing_changes_there_is_no_event_and_the_covariance_is_right() {
             assert!((0.2..1.6).contains(&mean), "{name}, {snr_db} dB: NEES of b per axis {mean}");
         }
     }
+}
+
+/// In rooms a walk's heading errs as walks with motion capture do, some 2 degrees: less than half a degree would be no room. Nothing is declared there,
+/// nothing is a lie.
+#[test]
+fn in_a_room_a_walk_errs_as_real_ones_do_and_says_so() {
+    let variant = find("phone-walk-steady").unwrap();
+    let seeds: Vec<u64> = (FIRST..).take(runs(6, 20)).collect();
+    let runs = map(&seeds, cores(), |seed| judge(&variant, *seed, Method::Auto, Ignore::default()).unwrap());
+    let mut errors: Vec<f64> = runs.iter().map(|run| run.error.heading_deg.expect("headings")).collect();
+    errors.sort_by(f64::total_cmp);
+    let within = runs.iter().map(|run| run.within.expect("sigmas")[1]).sum::<f64>() / runs.len() as f64;
+    println!("{errors:.1?} deg, {within:.3} within two sigmas");
+    // 1.3 to 3.7, median 2.1, over ten
+    let middle = errors[errors.len() / 2];
+    assert!((0.5..3.5).contains(&middle) && errors[errors.len() - 1] < 6.0, "{errors:?}");
+    assert!(within > 0.9, "{within}");
+    assert!(runs.iter().all(|run| run.false_steps == 0 && run.lie_s < 1.0), "{runs:?}");
 }
 
 /// Headings of independent runs, one each, are within their sigmas as often as those of a normal distribution at least.
@@ -121,7 +139,7 @@ fn errors_are_as_large_as_their_sigmas_say() {
 
 #[test]
 fn in_a_walk_of_fifteen_minutes_the_carried_field_does_not_drift_away() {
-    let mut variant = Variant { duration_s: 900.0, ..find("phone-walk-steady").unwrap() };
+    let mut variant = Variant { duration_s: 900.0, ..find("phone-walk-steady").unwrap().in_an_even_place() };
     variant.sensors.gyro_bias_deg_s = (1.0, 1.0);
     variant.sensors.gyro_scale = 0.01;
     variant.sensors.gyro_late_s = 0.005;

@@ -9,7 +9,7 @@ const MS: i64 = 1_000_000;
 
 /// A minute of a phone in a hand, all sensors at 100 Hz.
 fn stream(seed: u64) -> Simulation {
-    let mut phone = find("phone-steady").unwrap();
+    let mut phone = find("phone-steady").unwrap().in_an_even_place();
     phone.sensors.gyro_bias_deg_s = (1.0, 1.0);
     phone.stream(seed)
 }

@@ -228,6 +228,7 @@ fn what_goes_on_comes_off_and_the_place_is_another_meanwhile() {
         ("over-place", &[30.0, 55.0], Some(40.0..=70.0)),
     ] {
         for (variant, seed) in of(Group::Back, line).iter().flat_map(|it| SEEDS.map(move |seed| (it, seed))) {
+            let variant = variant.clone().in_an_even_place();
             let (scenario, stream) = (variant.scenario(seed), variant.stream(seed));
             let seen: Vec<_> = stream.changes.iter().filter(|change| change.begins_s < 90.0).collect();
             assert_eq!(seen.iter().map(|change| change.begins_s).collect::<Vec<_>>(), changes_s, "{line}");

@@ -13,7 +13,7 @@ use magcomp_recordings::recording::read;
 const SHAKE_M_S2: f64 = 0.3;
 
 fn stream(seed: u64, motion: Motion, change: PhoneChange) -> Simulation {
-    let mut variant = phone("shaken", motion, change);
+    let mut variant = phone("shaken", motion, change).in_an_even_place();
     variant.sensors = variant.sensors.without_gyroscope();
     variant.sensors.accel_noise = SHAKE_M_S2;
     variant.stream(seed)
@@ -100,7 +100,7 @@ fn late_drift(motion: Motion, rate_ut_s: f64, begins_s: f64) -> ([f64; 2], usize
             duration_s: begins_s + 60.0,
             happens: vec![Happening::Ramp { from_s: begins_s, over_s: 30.0, by }],
             is_known: motion != Motion::Tumble,
-            ..phone("late-drift", motion, PhoneChange::Nothing)
+            ..phone("late-drift", motion, PhoneChange::Nothing).in_an_even_place()
         };
         let scenario = variant.scenario(seed);
         let initial = variant.initial(&scenario);

@@ -22,7 +22,7 @@ const BAND: f64 = 1.96;
 fn nees(name: &str, first: u64) -> [(f64, f64); 4] {
     let mut found: [Vec<Nees>; 4] = Default::default();
     for seed in first..first + runs(10, 40) as u64 {
-        let stream = find(name).unwrap().stream(seed);
+        let stream = find(name).unwrap().in_an_even_place().stream(seed);
         let config = Config { method: Method::Adaptive, ..Config::default() };
         let mut compensator = Compensator::new(config).expect("a valid config");
         for (k, (sample, truth)) in stream.magnetic.iter().zip(&stream.truth).enumerate() {
@@ -61,7 +61,7 @@ fn shares_of_errors_within_their_sigmas_are_right() {
     let each = runs(6, 16);
     let jobs: Vec<usize> = (0..COMPARED.len() * each).collect();
     let looks = map(&jobs, cores(), |k| {
-        let mut variant = find(COMPARED[k / each]).unwrap();
+        let mut variant = find(COMPARED[k / each]).unwrap().in_an_even_place();
         variant.sensors.has_accelerometer = true;
         variant.duration_s = variant.change_s + LOOKED_AT_S[3] + 1.0;
         let seed = 71_000 + (k % each) as u64;

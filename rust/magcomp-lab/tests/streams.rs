@@ -22,7 +22,7 @@ fn picked<T: Clone>(fine: &[T], rate_hz: f64, random: &mut Random) -> Vec<T> {
 
 /// A minute of tumbling, magnetometer, gyroscope and accelerometer at rates of their own.
 fn stream(seed: u64, [magnetometer, gyroscope, accelerometer]: [f64; 3]) -> Simulation {
-    let mut phone = find("phone-steady").unwrap();
+    let mut phone = find("phone-steady").unwrap().in_an_even_place();
     phone.sensors = phone.sensors.at_rate(FINE_HZ);
     phone.sensors.gyro_bias_deg_s = (1.0, 1.0);
     let fine = phone.stream(seed);

@@ -94,7 +94,7 @@ mod tests {
 
     #[test]
     fn it_finds_the_hard_iron_of_a_turning_device_and_its_north() {
-        let mut scenario = find("phone-steady").unwrap().scenario(1);
+        let mut scenario = find("phone-steady").unwrap().in_an_even_place().scenario(1);
         scenario.device.soft_iron = Matrix3::identity();
         let stream = scenario.run();
         let mut fusion = Fusion::new(0.3);

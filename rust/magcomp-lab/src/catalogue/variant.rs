@@ -107,6 +107,11 @@ impl Variant {
         Config { heading, rail_ut: self.rail_ut, ..Config::default() }
     }
 
+    /// The same in an even place: what is left there is the estimator's own, not the room's.
+    pub fn in_an_even_place(self) -> Self {
+        Self { place: Place::Even, ..self }
+    }
+
     /// The stream of a seed.
     pub fn stream(&self, seed: u64) -> Simulation {
         self.scenario(seed).run()

@@ -139,7 +139,7 @@ impl Step {
         };
         let variant = match self.scenario {
             Some(variant) => *variant,
-            None => find(of_motion).map_err(LabError::Usage)?,
+            None => find(of_motion).map_err(LabError::Usage)?.in_an_even_place(),
         };
         Self::follow(
             &self.common,
@@ -153,7 +153,8 @@ impl Step {
     }
 
     fn aided(self, options: FollowOptions) -> Result<(), LabError> {
-        let mut variant = self.change.map_or(options.variant, |change| phone("step", self.motion, change));
+        let mut variant =
+            self.change.map_or(options.variant, |change| phone("step", self.motion, change).in_an_even_place());
         let exactly = |deg_s: f64| (deg_s, deg_s);
         // an even distribution of the same root mean square as was asked for
         let lean_deg = self.gyro_skew.unwrap_or(0.0) * 3f64.sqrt();

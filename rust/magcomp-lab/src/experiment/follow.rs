@@ -32,7 +32,7 @@ impl FollowOptions {
             Motion::Walk => PhoneChange::Offset,
             _ => return None,
         };
-        let variant = phone("step", motion, change);
+        let variant = phone("step", motion, change).in_an_even_place();
         Some(Self { variant, methods: vec![Method::Aided, Method::Windowed], runs: 20, seed: 1 })
     }
 }

@@ -14,7 +14,7 @@ pub use trajectory::Trajectory;
 use crate::random::Random;
 use clap::ValueEnum;
 use magcomp::nalgebra::{UnitQuaternion, Vector3};
-use noise::{Grid, Turns};
+use noise::{Grid, Turns, WALKS_M_S};
 use people::Mover;
 use std::f64::consts::TAU;
 use trajectory::GRID_S;
@@ -31,13 +31,8 @@ const SWING_DEG: f64 = 17.0;
 const STROLL_DEG: f64 = 8.0;
 const STROLL_SWAY_DEG: f64 = 4.0;
 const STROLL_LIMIT_DEG: f64 = 20.0;
-/// Steps of a pedestrian per second, and the speed, m/s.
+/// Steps of a pedestrian per second.
 const STEPS_HZ: f64 = 1.9;
-const WALKS_M_S: f64 = 1.3;
-/// A hand that turns a device moves it: so far on each axis, root mean square, m, and for how long in one direction, s. Arms reach no further, and
-/// do not go faster (0.6 m/s on an axis).
-const HAND_M: f64 = 0.2;
-const HAND_S: f64 = 0.35;
 
 /// Kinds of motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

@@ -1,12 +1,18 @@
 //! Random courses over time on an even grid: slow wandering, noise of a band of frequencies, easing, turns.
 
-use super::{HAND_M, HAND_S};
 use crate::random::Random;
 use magcomp::nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
 
 /// Waves that make up noise of a band: enough to look normal.
 const WAVES: usize = 40;
+
+/// Speed of a pedestrian, m/s.
+pub(super) const WALKS_M_S: f64 = 1.3;
+/// A hand that turns a device moves it: so far on each axis, root mean square, m, and for how long in one direction, s. Arms reach no further, and
+/// do not go faster (0.6 m/s on an axis).
+const HAND_M: f64 = 0.2;
+const HAND_S: f64 = 0.35;
 
 /// From 0 to 1 while `share` does, with speed and acceleration zero at both ends; 0 before and 1 after.
 pub fn ease(share: f64) -> f64 {

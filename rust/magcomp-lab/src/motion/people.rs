@@ -5,8 +5,8 @@
 
 pub mod shaken;
 
-use super::noise::{Grid, Turns, ease};
-use super::{Trajectory, WALKS_M_S};
+use super::Trajectory;
+use super::noise::{Grid, Turns, WALKS_M_S, ease};
 use crate::random::Random;
 use magcomp::nalgebra::{UnitQuaternion, Vector3};
 use std::f64::consts::{FRAC_PI_2, TAU};

@@ -28,7 +28,7 @@ impl Phone {
     }
 
     pub fn of(variant: &str, seed: u64) -> Self {
-        let variant = Variant { duration_s: 60.0, ..find(variant).unwrap() };
+        let variant = Variant { duration_s: 60.0, ..find(variant).unwrap().in_an_even_place() };
         Self { simulation: variant.stream(seed), field: |_, m| m, up: |a| a, rate: |g| g, late_s: 0.0, slower: 1 }
     }
 }
