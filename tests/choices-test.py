@@ -17,7 +17,8 @@ const HALF: f64 = SETTLED_S / 2.0;
 /// Mathematics: an angle that follows.
 const TURN: f64 = 7.0;
 const NO_KIND: f64 = 7.0;
-const DERIVED: f64 = 2.0 * SETTLED_S;
+const COAT_S: f64 = 2.0 * SETTLED_S;
+const COUNT: usize = MOST - 1;
 """,
     "part/tuning.rs": """
 use crate::priors::SETTLED_S;
@@ -26,7 +27,7 @@ choices! {
     Tuning {
         /// Read in two functions: `first`, `second`
         gate: 16.0, "", "docs/none.md";
-        /// Derived: its reader is one of SETTLED_S
+        /// A choice, since it can be set by itself
         settled_s: SETTLED_S, "s", "priors";
         /// Read in its own file
         rate: 0.2, "", "priors";
@@ -46,7 +47,7 @@ use crate::priors::{HALF as UNUSED, SETTLED_S as LONG_S};
 const MOST: usize = 32;
 struct All { them: [f64; MOST] }
 // tuning.gate in a comment
-fn first(tuning: &Tuning) -> f64 { tuning.gate + tuning.gate.powi(2) + 9.0 * 1.5 + 0.5 + 1e-9 + 100.0 }
+fn first(tuning: &Tuning) -> f64 { tuning.gate + tuning.gate.powi(2) + 9.0 * 1.5 + 0.5 + 1e-9 + 100.0 + 7.5 / 3600.0 * 180.0 }
 fn second(&self, [a]: [f64; 1]) -> f64 {
     let close = |x: f64| x > self.tuning.gate && '{' != 'x';
     let text = "tuning.gate MOST { LONG_S";
@@ -75,15 +76,18 @@ with tempfile.TemporaryDirectory() as folder:
 
 found = {name: jobs for part, name, value, place, jobs in choices if not name.startswith("fn")}
 numbers = sorted(value for part, name, value, place, jobs in choices if name.startswith("fn"))
-# SETTLED_S: second, third (through settled_s), fifth. gate: first, second, sixth; fifth has another tuning. MOST: second, and inner within it.
-# rate: rates; the rate of second is a field of its own
-expected = {"SETTLED_S": 3, "HALF": 1, "gate": 3, "rate": 1, "share": 1, "idle": 1, "MOST": 2}
+# SETTLED_S: second, fifth, and what is made of it: HALF, settled_s, COAT_S. gate: first, second, sixth; fifth has another tuning. MOST: second, inner within it, and COUNT, which
+# is no number of type f64. rate: rates; the rate of second is a field of its own
+expected = {
+    "SETTLED_S": 5, "HALF": 1, "COAT_S": 1, "settled_s": 1, "gate": 3, "rate": 1, "share": 1, "idle": 1, "MOST": 2,
+}
 assert found == expected, found
-assert numbers == ["1.5", "9.0"], numbers
+# 9 is the size of a matrix, 3600 and 180 are conversions of units
+assert numbers == ["1.5", "7.5"], numbers
 assert sorted(faults) == [
     "part/tuning.rs: gate names docs/none.md, which is not there",
     "part/tuning.rs: nothing reads idle; delete it",
     "priors.rs: NO_KIND has no kind; begin its comment with one of Choice, Physics, Data sheet, Mathematics, Format, Limit",
 ], faults
-derived, chosen = ["ROOM_S", "0.5 * ROOM_S", "ROOM_S * ROOM_S"], ["4.0 * ROOM_S", "ROOM_S / 12.0", "1.5 * ROOM_S", "0.1", "1"]
+derived, chosen = ["ROOM_S", "0.5 * ROOM_S", "ROOM_S * ROOM_S", "ROOM_S / 3600.0"], ["4.0 * ROOM_S", "ROOM_S / 7.0", "1.5 * ROOM_S", "0.1", "1"]
 assert [value for value in derived + chosen if is_chosen(value)] == chosen

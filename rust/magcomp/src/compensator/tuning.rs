@@ -1,7 +1,6 @@
 //! Every choice of the compensator: when a sample cannot be used, when the gyroscope is gone, and what is believed of a calibration from
 //! elsewhere.
 
-use crate::priors::STEP_S;
 use crate::tuning::choices;
 
 choices! {
@@ -10,7 +9,7 @@ choices! {
         /// clock; where they are equal, the device rests or the sensor hangs, as noise changes the last digit of most magnetometers sooner
         run_samples: 50.0, "samples", "half a second at 100 Hz: tests/host/repeats.rs; tests/recordings have at most 3 equal ones";
         /// Without a rotation for so long the magnetometer goes on alone; and a vertical that has not come by then is not waited for
-        gone_s: 2.0 * STEP_S, "s", "longer than a hiccup of the system: rust/magcomp-lab/tests/streams.rs";
+        gone_s: 1.0, "s", "longer than a hiccup of the system: rust/magcomp-lab/tests/streams.rs";
         /// Time in which all but one device in e have changed: a cover, a charger, a car
         changes_s: 21_600.0, "s", "docs/dev/METHOD.md, a calibration from elsewhere";
         /// Share of launches before which the device was changed, however short the pause: it was laid down, a cover was put on

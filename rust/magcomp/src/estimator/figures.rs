@@ -5,15 +5,14 @@ use super::answer::{Answer, Counted, Known};
 use super::paper::{WindowedConfig, evenness};
 use crate::calibration::Calibration;
 use crate::ellipsoid::direction_sigma_deg;
-use crate::priors::STEP_S;
 use crate::room::Roomy;
 use crate::sample::{MagneticSample, seconds};
 use alloc::collections::VecDeque;
 use core::mem::take;
 use nalgebra::Vector3;
 
-/// Time after which they are formed anew, s: a display of them can be read that often.
-const ANEW_S: f64 = 2.0 * STEP_S;
+/// Choice: time after which they are formed anew, s: a display of them can be read that often. Smaller: dearer. Larger: a display lags.
+const ANEW_S: f64 = 1.0;
 
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Figures {

@@ -10,9 +10,9 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::math::elementary::{quaternion, rotation_vector};
 
-/// Data sheet: the interval of a phone's magnetometer at its slowest, s.
+/// Choice: a frame is no longer, s: the interval of a phone's magnetometer at its slowest, of which none is averaged.
 const LONGEST_S: f64 = 0.04;
-/// Mathematics: the sine of half a frame's turn, 0.2 rad, whose sinc is off by 0.2 %.
+/// Choice: the sine of half a frame's largest turn, 0.2 rad: its mean is off by 0.2 % (sinc).
 const LARGEST_HALF: f64 = 0.1;
 
 /// The samples so far.

@@ -15,7 +15,6 @@
 mod tests;
 
 use crate::math::elementary::{gain, quaternion, rotation_vector};
-use crate::priors::STEP_S;
 use crate::sample::seconds;
 use arrayvec::ArrayVec;
 use core::mem::take;
@@ -28,8 +27,8 @@ const EVENTS: usize = 16;
 /// Choice: a sensor whose newest event is older than this counts as absent, and a longer silence of all of them as a pause, s: two and a half periods of
 /// 10 Hz, the slowest rate supported. Smaller: a hiccup of the system turns the gyroscope off. Larger: a stopped gyroscope is taken for stillness.
 pub(crate) const STALE_S: f64 = 0.25;
-/// Memory of how the rate wanders between its events, s: a hand changes its motion about as fast.
-const WANDER_S: f64 = STEP_S;
+/// Choice: memory of how the rate wanders between its events, s: a hand changes its motion about as fast.
+const WANDER_S: f64 = 0.5;
 /// Data sheet: largest rotation rate believed, rad/s: above the 35 rad/s full scale of phone gyroscopes.
 const MAX_RATE_RAD_S: f64 = 60.0;
 /// Data sheet: largest acceleration believed, m/s^2: above the 160 m/s^2 full scale of phone accelerometers.

@@ -16,7 +16,7 @@
 mod tests;
 
 use crate::math::elementary::gain;
-use crate::priors::{HAND_RAD, STEP_S};
+use crate::priors::HAND_RAD;
 use crate::sample::seconds;
 use crate::strength::EARTH_UT;
 #[cfg(not(feature = "std"))]
@@ -29,10 +29,10 @@ pub(crate) const GRAVITY_M_S2: f64 = 9.80665;
 const LARGEST: f64 = 1.0;
 /// Data sheet: s, noise of an accelerometer's sample, in g: 0.003 to 0.02.
 const NOISE: f64 = 0.02;
-/// Memory of what motion adds to gravity, s, and for how long a device turns about the same axis: two steps.
-pub(super) const TILT_S: f64 = 2.0 * STEP_S;
-/// t_m, s: half a step of a pedestrian (walks with motion capture, docs/dev/METHOD.md).
-const MOTION_S: f64 = 0.5 * STEP_S;
+/// Choice: memory of what motion adds to gravity, s: two steps of a pedestrian; and for how long a device turns about the same axis.
+pub(super) const TILT_S: f64 = 1.0;
+/// Choice: t_m, s: half a step of a pedestrian (walks with motion capture, docs/dev/METHOD.md).
+const MOTION_S: f64 = 0.25;
 /// Choice: how much more of it, in squares, lies along a horizontal axis than along gravity: the same walks.
 const ACROSS: f64 = 2.0;
 /// Choice: share of gravity by which an accelerometer may be off that shows where up is: 6 degrees if it is across.

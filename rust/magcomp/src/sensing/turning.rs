@@ -17,7 +17,7 @@
 //! or turned all are, half of them within 9 s.
 
 use crate::math::elementary::{ln, turn_factors};
-use crate::priors::{OUTLYING, RARE, STEP_S};
+use crate::priors::{OUTLYING, RARE};
 use crate::strength::EARTH_UT;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField as _;
@@ -25,6 +25,8 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// Data sheet: the largest bias of a phone's gyroscope, rad/s: 0.095 was found.
 pub(super) const LARGEST_BIAS_RAD_S: f64 = 0.1;
+/// Choice: length of a window, s: a hand turns by far more than noise in it, and a place changes by less.
+const WINDOW_S: f64 = 0.5;
 /// Choice: what a window keeps of those before it.
 pub(super) const KEPT: f64 = 0.98;
 
@@ -79,7 +81,7 @@ impl Turning {
         self.sum += self.now;
         self.samples += 1.0;
         self.length_s += span_s;
-        if self.length_s >= STEP_S {
+        if self.length_s >= WINDOW_S {
             self.close();
         }
     }
@@ -122,7 +124,7 @@ impl Turning {
 
     /// n B.
     fn by_bias(&self) -> f64 {
-        self.windows.max(1.0) * (LARGEST_BIAS_RAD_S * STEP_S * EARTH_UT.end).powi(2)
+        self.windows.max(1.0) * (LARGEST_BIAS_RAD_S * WINDOW_S * EARTH_UT.end).powi(2)
     }
 
     fn judge(&self) -> Verdict {

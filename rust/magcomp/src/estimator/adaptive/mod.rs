@@ -40,7 +40,7 @@ use parameters::{Gaussian, NOTHING, is_bounded};
 use published::Published;
 pub(crate) use tuning::Tuning;
 
-/// Format: samples before there can be an estimate: as many as nine parameters need, and some.
+/// Choice: samples before there can be an estimate: as many as nine parameters need, and some.
 const FEWEST: usize = 16;
 
 /// Where the device stays.

@@ -1,9 +1,7 @@
 //! Every choice of the estimator: what is believed of phones, hands and places before a stream is seen.
 
 use crate::noise::Process;
-use crate::priors::{
-    DEVICES_PER_H, NOISE_UT, OF_USE_DEG, RAMP_S, ROOM_S, ROOM_UT, SETTLED_S, SHOWN_RAD2, STEP_S, TILT_RAD,
-};
+use crate::priors::{DEVICES_PER_H, NOISE_UT, OF_USE_DEG, RAMP_S, ROOM_S, ROOM_UT, SETTLED_S, SHOWN_RAD2, TILT_RAD};
 use crate::tuning::choices;
 
 choices! {
@@ -18,11 +16,11 @@ choices! {
         /// Unevenness of a place before it is learned
         uneven_ut: 0.8, "uT", "quiet rooms of real recordings";
         /// For how long of motion the same unevenness lasts before that is learned
-        uneven_s: STEP_S, "s", "priors";
+        uneven_s: 0.5, "s", "a step of a pedestrian";
         /// Tilt of a hand that moves, before it is learned, and the least
         tilt_rad: TILT_RAD, "rad", "priors";
         /// How long the same tilt lasts
-        tilt_s: STEP_S, "s", "priors";
+        tilt_s: 0.5, "s", "a step of a pedestrian";
         /// White noise of the vertical before it is learned, and the least
         tilt_white_rad: 0.005, "rad", "data sheets of accelerometers";
         /// Changes of the device's disturbance
