@@ -4,7 +4,7 @@ use assert_cmd::Command;
 use magcomp::nalgebra::{UnitQuaternion, Vector3};
 use magcomp::{Config, EventKind, HeadingConfig, ReferenceAxis, Status};
 use magcomp_lab::atomic::write_atomically;
-use magcomp_lab::catalogue::{Variant, find};
+use magcomp_lab::catalogue::{Place, Variant, find};
 use magcomp_lab::course::{Course, DevicePart};
 use magcomp_lab::parallel::cores;
 use magcomp_lab::parameters::Parameters;
@@ -30,7 +30,10 @@ fn simulated(name: &str, seed: u64) -> Recording {
     let stepped = Parameters { hard_iron: Vector3::new(-0.5, 0.4, -0.3), ..start };
     let phone = find(if name == "lie" { "phone-walk-steady" } else { "phone-steady" }).unwrap();
     let sensors = phone.sensors.at_rate(50.0);
-    let variant = Variant { duration_s: 90.0, earth: (48.0, 60.0), sensors, ..phone }.with_noise(Some(Noise::Ut(0.5)));
+    // nothing but what is planted
+    let place = Place::Even;
+    let variant =
+        Variant { duration_s: 90.0, earth: (48.0, 60.0), place, sensors, ..phone }.with_noise(Some(Noise::Ut(0.5)));
     let mut scenario = variant.scenario(seed);
     scenario.device = start;
     if name == "step" {
@@ -167,7 +170,7 @@ fn expected(recording: &Recording, steps: &[Step], declination_deg: f64) -> Vec<
 }
 
 fn judged(folder: &Path) -> Trials {
-    judge_folder(folder, None, cores()).unwrap()
+    judge_folder(folder, None, Ignore::default(), cores()).unwrap()
 }
 
 fn score<'a>(trials: &'a Trials, recording: &str) -> &'a Score {
@@ -191,7 +194,11 @@ fn every_figure_agrees_with_an_independent_computation() {
         let steps = replay(&recording, &Config { heading, ..Config::default() }, Ignore::default()).unwrap();
         let found = score(&trials, name);
         let expected = expected(&recording, &steps, declination_deg);
-        assert_eq!(found.figures.len(), expected.len());
+        // the bound is tested where it is formed
+        assert_eq!(found.figures.len(), expected.len() + 2);
+        let [bound, over] = ["bound_deg", "over_bound"].map(|name| found.figures[name].unwrap());
+        let heading = found.figures["heading_rms_deg"].unwrap();
+        assert!(bound > 0.0 && (over * bound / heading - 1.0).abs() < 1e-9, "{bound} {over}");
         for (figure, expected) in expected {
             let found = found.figures[figure].unwrap_or_else(|| panic!("{name} has no {figure}"));
             // azimuths are counted in bins of 0.001 deg, and the median is the upper one
@@ -251,7 +258,9 @@ fn groups_sum_their_recordings_up() {
 #[test]
 fn the_number_of_threads_changes_nothing() {
     let folder = folder();
-    let by = |threads: usize| judge_folder(folder.path(), None, NonZeroUsize::new(threads).unwrap()).unwrap();
+    let by = |threads: usize| {
+        judge_folder(folder.path(), None, Ignore::default(), NonZeroUsize::new(threads).unwrap()).unwrap()
+    };
     let one = by(1);
     assert_eq!(by(2), one);
     assert_eq!(by(7), one);
@@ -329,4 +338,35 @@ fn what_cannot_be_judged_is_refused_with_its_place() {
     assert!(code == 2 && error.contains("no recording") && error.contains("qw,qx,qy,qz"), "{error}");
     let (code, _, error) = evaluate(&empty.path().join("missing"), &[]);
     assert!(code == 1 && error.contains("cannot be read"), "{error}");
+}
+
+/// Every magnet on a recording of a folder, and not on one that has a magnet of its own; each row says what it is.
+#[test]
+fn magnets_are_put_on_recordings_without_one() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, seed) in [("free", 1), ("taken", 2)] {
+        let path = folder.path().join(format!("{name}.csv"));
+        write_atomically(&path, |out| write_recording(out, &simulated("calm", seed))).unwrap();
+    }
+    let index = "recording,group,declination_deg,magnet_s\nfree,one,0,\ntaken,two,0,40-60\n";
+    fs::write(folder.path().join("INDEX.csv"), index).unwrap();
+    let (code, printed, error) = evaluate(folder.path(), &["--magnets", "--json"]);
+    assert_eq!(code, 0, "{error}");
+    assert!(error.contains("taken: left out, it has a magnet of its own"), "{error}");
+    let value: Value = serde_json::from_str(&printed).unwrap();
+    let runs = value["runs"].as_array().unwrap();
+    assert_eq!(runs.len(), 10);
+    assert!(runs.iter().all(|run| run["recording"] == "free" && run["label"] == "arithmetic, not a real magnet"));
+    let of = |magnet: &str| runs.iter().find(|run| run["magnet"] == magnet).unwrap();
+    assert_eq!((of("nothing")["due"].as_u64(), of("27 uT on and off")["due"].as_u64()), (Some(0), Some(2)));
+    // a magnet on a tumbled phone in an even place is told, once, and found
+    let strong = of("100 uT at once");
+    assert_eq!((strong["missed"].as_u64(), strong["again"].as_u64()), (Some(0), Some(0)), "{strong}");
+    assert!(strong["hard_iron_off_ut"].as_f64().is_some_and(|ut| ut < 2.0), "{strong}");
+    let (_, table, _) = evaluate(folder.path(), &["--magnets", "--seeds", "2-3", "--without-gyroscope"]);
+    let rows = table.lines().filter(|line| line.contains("arithmetic, not a real magnet)"));
+    assert_eq!(rows.count(), 9, "{table}");
+    for wrong in [&["--seeds", "1-2"][..], &["--magnets", "--group", "steps"], &["--magnets", "--judge"]] {
+        assert_eq!(evaluate(folder.path(), wrong).0, 2, "{wrong:?}");
+    }
 }

@@ -17,6 +17,17 @@ use std::str::FromStr;
 /// The standard output where it is asked for as `-`: nothing else goes there then.
 const STDOUT: &str = "/dev/fd/1";
 
+/// The recordings of the repository.
+pub(super) const OURS: &str = "tests/recordings";
+
+/// Says what to do where the repository's recordings are meant and not there.
+pub(super) fn ours_is_here(folder: &Path) -> Result<(), LabError> {
+    if folder != Path::new(OURS) || folder.is_dir() {
+        return Ok(());
+    }
+    Err(LabError::Usage(format!("{OURS} is not here: run it in the repository, or name a folder with --recordings")))
+}
+
 /// Options of every verb.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Common {

@@ -1,6 +1,6 @@
 //! `magcomp evaluate`.
 
-use super::common::{Common, MethodChoice, Seeds, refuse_outputs, warn};
+use super::common::{Common, MethodChoice, OURS, Seeds, ours_is_here, refuse_outputs, warn};
 use crate::catalogue::{self, Group, Variant};
 use crate::error::LabError;
 use crate::experiment::evaluate::{EvaluateOptions, run};
@@ -8,7 +8,7 @@ use crate::parallel::cores;
 use crate::replay::Ignore;
 use crate::report::Report;
 use crate::table::Table;
-use crate::trials::judge_folder;
+use crate::trials::{judge_folder, put_on_folder};
 use clap::Args;
 use std::io::Write;
 use std::num::NonZero;
@@ -16,6 +16,9 @@ use std::path::{Path, PathBuf};
 
 /// Seeds that judge: development and tests use those below 100.
 const JUDGED: Seeds = Seeds(12_001, 12_010);
+/// Seeds when none are named: a run each of a variant, a draw each of a magnet.
+const USUAL: Seeds = Seeds(1, 10);
+const ONE: Seeds = Seeds(1, 1);
 
 /// Simulated phones in many situations with the default config: how wrong, how sure, how soon; docs/EVALUATION.md
 #[derive(Debug, Args)]
@@ -26,9 +29,9 @@ pub(super) struct Evaluate {
     /// Variants by name, or a name's begin followed by *
     #[arg(long, num_args = 1.., value_delimiter = ',')]
     variant: Vec<String>,
-    /// A run for each of these seeds
-    #[arg(long, value_name = "FIRST-LAST", default_value = "1-10")]
-    seeds: Seeds,
+    /// A run for each of these seeds, 1-10 when not given; with --magnets a direction and a time of each magnet, 1-1 when not given
+    #[arg(long, value_name = "FIRST-LAST")]
+    seeds: Option<Seeds>,
     /// The seeds that nobody runs while developing, for the published page: once a release
     #[arg(long, conflicts_with = "seeds")]
     judge: bool,
@@ -51,8 +54,14 @@ pub(super) struct Evaluate {
     ///
     /// Each .csv or .csv.gz with the columns of `magcomp replay`, qw,qx,qy,qz among them, goes through the default config. Other files are
     /// passed over, and so is NAME_oscal beside NAME_uncal. Rows: a recording, then a group.
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["group", "variant", "seeds", "method", "without_gyroscope", "threads", "list", "markdown"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["group", "variant", "method", "threads", "list", "markdown"])]
     recordings: Option<PathBuf>,
+    /// Put magnets on the recordings, those of tests/recordings when none are named: arithmetic, not a real magnet
+    ///
+    /// A hard iron of 8 to 300 uT is added to the raw samples in the middle of each recording, at once, slid on, with soft iron, taken off again.
+    /// Rows: a group and a magnet. Recordings on which a magnet sits already (magnet_s in the index) are left out.
+    #[arg(long, conflicts_with_all = ["group", "variant", "method", "threads", "list", "markdown", "judge"])]
+    magnets: bool,
     /// Groups of the recordings: CSV with the columns recording,group[,declination_deg]; DIR/INDEX.csv when not given
     ///
     /// `recording` is the name of a file without .csv or .csv.gz, or a pattern with * and ?. The first line that fits a recording counts.
@@ -69,7 +78,11 @@ pub(super) struct Evaluate {
 
 impl Evaluate {
     pub fn run(self) -> Result<(), LabError> {
-        let common = Common { seed: self.seeds.0, json: self.json, report: self.report.clone() };
+        let seeds = self.seeds.unwrap_or(USUAL);
+        let common = Common { seed: seeds.0, json: self.json, report: self.report.clone() };
+        if self.magnets {
+            return self.with_magnets(&common);
+        }
         if let Some(folder) = &self.recordings {
             return self.recorded(folder, &common);
         }
@@ -82,9 +95,9 @@ impl Evaluate {
         }
         let result = run(&EvaluateOptions {
             variants,
-            seeds: if self.judge { JUDGED } else { self.seeds }.range(),
+            seeds: if self.judge { JUDGED } else { seeds }.range(),
             method: self.method.method(),
-            ignore: Ignore { gyroscope: self.without_gyroscope, accelerometer: false },
+            ignore: self.ignore(),
             threads: self.threads.unwrap_or_else(cores),
         })?;
         if self.markdown {
@@ -100,9 +113,30 @@ impl Evaluate {
         })
     }
 
-    fn recorded(&self, folder: &Path, common: &Common) -> Result<(), LabError> {
+    fn ignore(&self) -> Ignore {
+        Ignore { gyroscope: self.without_gyroscope, accelerometer: false }
+    }
+
+    fn with_magnets(&self, common: &Common) -> Result<(), LabError> {
+        let folder = self.recordings.as_deref().unwrap_or(Path::new(OURS));
+        ours_is_here(folder)?;
         refuse_outputs(&[folder], &[], common.report.as_deref())?;
-        let trials = judge_folder(folder, self.index.as_deref(), cores())?;
+        let seeds = self.seeds.unwrap_or(ONE).range();
+        let trials = put_on_folder(folder, self.index.as_deref(), &seeds, self.ignore(), cores())?;
+        warn(&trials.warnings);
+        common.finish(&[trials.table()], &trials, || {
+            let rule = format!("A magnet was put on each recording by arithmetic: {}.", trials.label);
+            Report::new("Magnets put on recordings", &rule).with(|report| trials.add_to(report))
+        })
+    }
+
+    fn recorded(&self, folder: &Path, common: &Common) -> Result<(), LabError> {
+        if self.seeds.is_some() {
+            let why = "recordings have no seeds; with --magnets a seed draws their directions and times";
+            return Err(LabError::Usage(why.to_owned()));
+        }
+        refuse_outputs(&[folder], &[], common.report.as_deref())?;
+        let trials = judge_folder(folder, self.index.as_deref(), self.ignore(), cores())?;
         warn(&trials.warnings);
         let tables = trials.tables();
         common.finish(&tables, &trials, || {

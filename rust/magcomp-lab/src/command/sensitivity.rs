@@ -1,6 +1,7 @@
 //! `magcomp sensitivity`.
 
-use super::common::Seeds;
+use super::common::{OURS, Seeds, ours_is_here, refuse_outputs};
+use crate::atomic::write_atomically;
 use crate::catalogue::Group;
 use crate::error::LabError;
 use crate::sensitivity::{SensitivityOptions, run};
@@ -9,10 +10,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// The recordings of the repository.
-const OURS: &str = "tests/recordings";
-
-/// Every choice of the estimators halved and doubled, every mechanism off, on simulated groups and recordings, as markdown (docs/dev/TUNING.md)
+/// Every choice of the estimators halved and doubled, every mechanism off, on simulated groups and recordings, every two that read the same state, as markdown (docs/dev/TUNING.md)
 #[derive(Debug, Args)]
 pub(super) struct Sensitivity {
     /// Folders of recordings with a reference orientation, as of `magcomp evaluate --recordings`; may be given more than once
@@ -27,6 +25,9 @@ pub(super) struct Sensitivity {
     /// Choices and mechanisms by a part of their name; all when not given
     #[arg(long, value_name = "NAME", num_args = 1.., value_delimiter = ',')]
     only: Vec<String>,
+    /// Write every figure of every row into this file; the page has those that move something
+    #[arg(long, value_name = "CSV")]
+    csv: Option<PathBuf>,
     /// Mechanisms alone, no choices
     #[arg(long)]
     switches: bool,
@@ -38,13 +39,16 @@ pub(super) struct Sensitivity {
 impl Sensitivity {
     pub fn run(self) -> Result<(), LabError> {
         let started = Instant::now();
-        if self.recordings.iter().any(|folder| folder == Path::new(OURS) && !folder.is_dir()) {
-            let why = format!("{OURS} is not here: run it in the repository, or name a folder with --recordings");
-            return Err(LabError::Usage(why));
-        }
+        self.recordings.iter().try_for_each(|folder| ours_is_here(folder))?;
         let seeds = self.seeds.range();
-        let Self { recordings, index, group: groups, only, switches, .. } = self;
-        let page = run(&SensitivityOptions { recordings, index, groups, only, switches, seeds })?;
+        let Self { recordings, index, group: groups, only, switches, csv, .. } = self;
+        let inputs: Vec<&Path> = recordings.iter().chain(&index).map(PathBuf::as_path).collect();
+        let outputs: Vec<(&str, &Path)> = csv.iter().map(|path| ("--csv", path.as_path())).collect();
+        refuse_outputs(&inputs, &outputs, None)?;
+        let (page, figures) = run(&SensitivityOptions { recordings, index, groups, only, switches, seeds })?;
+        if let Some(path) = &csv {
+            write_atomically(path, |out| Ok(out.write_all(figures.as_bytes())?))?;
+        }
         let mut out = std::io::stdout().lock();
         write!(out, "{}", page.markdown())?;
         out.flush()?;

@@ -119,7 +119,7 @@ impl Absolute {
 }
 
 /// Heading of the axis by the reference, degrees; none where the axis is steep or there is no reference.
-fn reference_heading_deg(row: &Row, axis: ReferenceAxis) -> Option<f64> {
+pub(crate) fn reference_heading_deg(row: &Row, axis: ReferenceAxis) -> Option<f64> {
     let to_device = row.attitude?.inverse();
     let (north, up) = (to_device * Vector3::y(), to_device * Vector3::z());
     let is_level = match axis {

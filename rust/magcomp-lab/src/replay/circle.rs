@@ -177,7 +177,7 @@ fn bin(azimuth_deg: f64) -> usize {
 }
 
 /// An azimuth less another, -180 to 180.
-pub(super) fn off_deg(azimuth_deg: f64, from_deg: f64) -> f64 {
+pub(crate) fn off_deg(azimuth_deg: f64, from_deg: f64) -> f64 {
     (azimuth_deg - from_deg + 540.0).rem_euclid(360.0) - 180.0
 }
 

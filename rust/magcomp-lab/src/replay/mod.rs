@@ -27,9 +27,12 @@ mod verdict;
 mod view;
 
 pub use absolute::AbsoluteHeading;
+pub(crate) use absolute::reference_heading_deg;
 pub use changes::{Declared, DeviceChange, PlaceDiffered};
 pub use circle::HeadingError;
+pub(crate) use circle::off_deg;
 pub use directions::Kinds;
+pub(crate) use directions::azimuth_deg;
 pub use explain::{write_explain_header, write_explanation};
 pub use export::{calibration_json, write_calibration};
 pub use figures::{Figures, figures};

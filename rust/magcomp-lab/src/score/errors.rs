@@ -25,6 +25,18 @@ pub enum Mode {
     Other,
 }
 
+impl Mode {
+    /// Of a status.
+    pub(crate) fn of(status: &Status) -> Self {
+        match status {
+            Status::Tracking => Self::Tracking,
+            Status::Held(_) => Self::Held,
+            Status::Suspect { .. } | Status::Disturbed { .. } => Self::Alarm,
+            _ => Self::Other,
+        }
+    }
+}
+
 /// A sample's errors; none where there is no answer.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
@@ -60,12 +72,7 @@ impl Sample {
         let heading_deg = reading.heading.map(|found| (found.heading_deg - true_deg + 540.0).rem_euclid(360.0) - 180.0);
         Self {
             time_s: reading.time_ns as f64 / 1e9,
-            mode: match reading.status {
-                Status::Tracking => Mode::Tracking,
-                Status::Held(_) => Mode::Held,
-                Status::Suspect { .. } | Status::Disturbed { .. } => Mode::Alarm,
-                _ => Mode::Other,
-            },
+            mode: Mode::of(&reading.status),
             is_level,
             heading_deg: heading_deg.filter(|_| is_level),
             sigma_deg: reading.heading.and_then(|found| found.heading_sigma_deg).filter(|sigma| *sigma > 0.0),

@@ -77,6 +77,8 @@ pub struct Figures {
     pub false_steps: usize,
     /// The same an hour.
     pub false_per_h: f64,
+    /// Steps that a change explains which another step has told.
+    pub again: usize,
     /// Changes that must be declared.
     pub due: usize,
     /// Those that were not.
@@ -88,16 +90,25 @@ pub struct Figures {
 impl Figures {
     /// Of a run; `steps` are those of the simulation's samples.
     pub fn of(simulation: &Simulation, steps: &[Step]) -> Self {
-        let samples = samples(simulation, steps);
+        let events = steps.iter().filter_map(|step| step.reading.event);
+        Self::judged(&samples(simulation, steps), events, &simulation.changes, simulation.rate_hz, WARM_S)
+    }
+
+    /// Of samples, wherever they come from, and what was told meanwhile; judged from `from_s` on.
+    pub(crate) fn judged(
+        samples: &[Sample],
+        events: impl Iterator<Item = Event>,
+        changes: &[Change],
+        rate_hz: f64,
+        from_s: f64,
+    ) -> Self {
         let end_s = samples.last().map_or(0.0, |sample| sample.time_s);
-        let changes: Vec<Change> =
-            simulation.changes.iter().copied().filter(|change| change.begins_s < end_s - 3.0).collect();
+        let changes: Vec<Change> = changes.iter().copied().filter(|change| change.begins_s < end_s - 3.0).collect();
         let between = |from_s: f64, to_s: f64| {
             samples.iter().filter(move |sample| sample.time_s > from_s && sample.time_s < to_s)
         };
-        let warm = || between(WARM_S, f64::INFINITY);
-        let (from_s, to_s) =
-            changes.first().map_or(BEFORE_NOTHING_S, |first| (first.begins_s - BEFORE_S, first.begins_s));
+        let warm = || between(from_s, f64::INFINITY);
+        let before_s = changes.first().map_or(BEFORE_NOTHING_S, |first| (first.begins_s - BEFORE_S, first.begins_s));
         let judged: Vec<&Sample> = warm().filter(|sample| sample.is_level).collect();
         let sigmas: Vec<f64> = judged.iter().filter_map(|sample| sample.sigmas()).collect();
         let share = |count: usize, of: usize| count as f64 / of.max(1) as f64;
@@ -107,14 +118,15 @@ impl Figures {
         let is_blind = |sample: &&Sample| {
             matches!(sample.mode, Mode::Tracking | Mode::Held) && sample.main(is_carried).is_some_and(|e| e > BLIND_DEG)
         };
-        let steps_told = device_steps(steps);
+        let steps_told = device_steps(events);
         let false_steps = steps_told.iter().filter(|event| is_false(event, &changes)).count();
-        let stretches = stretch::all(&samples, &changes, &steps_told, simulation.rate_hz, is_carried);
+        let again = again(&steps_told, &changes);
+        let stretches = stretch::all(samples, &changes, &steps_told, rate_hz, is_carried);
         let due: Vec<&Stretch> =
             stretches.iter().filter(|one| one.begin == Begin::Device && one.size_ut >= DUE_UT).collect();
         Self {
             first_s: samples.iter().find(|sample| sample.corrected_deg.is_some()).map(|sample| sample.time_s),
-            before: Errors::rms(between(from_s, to_s)),
+            before: Errors::rms(between(before_s.0, before_s.1)),
             error: Errors::rms(warm()),
             answered: (!judged.is_empty())
                 .then(|| share(judged.iter().filter(|sample| sample.heading_deg.is_some()).count(), judged.len())),
@@ -124,9 +136,10 @@ impl Figures {
             tracking: share(warm().filter(|sample| sample.mode == Mode::Tracking).count(), warm().count()),
             lie_s,
             lie_deg,
-            blind_s: warm().filter(is_blind).count() as f64 / simulation.rate_hz,
+            blind_s: warm().filter(is_blind).count() as f64 / rate_hz,
             false_steps,
             false_per_h: false_steps as f64 * 3600.0 / end_s.max(1.0),
+            again,
             due: due.len(),
             missed: due.iter().filter(|one| one.declared_s.is_none()).count(),
             stretches,
@@ -135,8 +148,8 @@ impl Figures {
 }
 
 /// Device steps, there and back, each once.
-fn device_steps(steps: &[Step]) -> Vec<Event> {
-    let mut events: Vec<Event> = steps.iter().filter_map(|step| step.reading.event).collect();
+fn device_steps(events: impl Iterator<Item = Event>) -> Vec<Event> {
+    let mut events: Vec<Event> = events.collect();
     events.dedup();
     events.retain(|event| matches!(event.kind, EventKind::DeviceStep | EventKind::DeviceStepBack));
     events
@@ -145,6 +158,16 @@ fn device_steps(steps: &[Step]) -> Vec<Event> {
 fn is_false(event: &Event, changes: &[Change]) -> bool {
     let mut steps = changes.iter().filter(|change| change.kind != ChangeKind::Vehicle);
     event.since_ns as f64 / 1e9 > STARTED_S && !steps.any(|change| explains((change.begins_s, change.ends_s), event))
+}
+
+/// Steps that changes explain, less one for each change that any of them tells.
+fn again(steps: &[Event], changes: &[Change]) -> usize {
+    let tells = |event: &Event, change: &Change| {
+        change.kind != ChangeKind::Vehicle && explains((change.begins_s, change.ends_s), event)
+    };
+    let explained = steps.iter().filter(|event| changes.iter().any(|change| tells(event, change))).count();
+    let told = changes.iter().filter(|change| steps.iter().any(|event| tells(event, change))).count();
+    explained.saturating_sub(told)
 }
 
 /// The longest lie, s, and the largest error in it, degrees.
@@ -206,6 +229,25 @@ mod tests {
         assert!(!is_false(&event(14.0, 15.5), &device));
         assert!(is_false(&event(40.0, 41.0), &change(ChangeKind::Vehicle)));
         assert!(!is_false(&event(40.0, 41.0), &change(ChangeKind::Unseen)));
+    }
+
+    /// Two covers within seconds are told by two steps; a third says one of them again. One slide that is told thrice is told twice too often.
+    #[test]
+    fn a_change_that_is_told_more_than_once_is_told_again() {
+        let event = |at_s: f64| Event {
+            kind: EventKind::DeviceStep,
+            since_ns: (at_s * 1e9) as i64,
+            decided_ns: ((at_s + 1.0) * 1e9) as i64,
+        };
+        let change = |begins_s, ends_s, kind| Change { begins_s, ends_s, size_ut: 20.0, kind };
+        let covers = [40.0, 43.0].map(|at_s| change(at_s, at_s, ChangeKind::Device));
+        let told = |steps: &[f64], changes: &[Change]| {
+            again(&steps.iter().map(|at_s| event(*at_s)).collect::<Vec<_>>(), changes)
+        };
+        assert_eq!((told(&[40.0, 43.0], &covers), told(&[40.0, 43.0, 45.0], &covers)), (0, 1));
+        let slide = [change(40.0, 50.0, ChangeKind::Device)];
+        assert_eq!((told(&[41.0, 45.0, 61.0], &slide), told(&[41.0, 70.0], &slide), told(&[], &slide)), (2, 0, 0));
+        assert_eq!(told(&[41.0, 42.0], &[change(40.0, 42.0, ChangeKind::Vehicle)]), 0);
     }
 
     #[test]

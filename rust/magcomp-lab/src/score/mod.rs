@@ -20,6 +20,7 @@
 //! * false: device steps, there or back, that no change explains, an hour. A change explains a step whose onset lies between 5 s before it begins
 //!   and 12 s after it ends, and which is not decided before it begins; a step whose onset lies in the first 15 s is part of the start. A place
 //!   or a car that changes explains no step; a change during a pause may, and need not, be declared;
+//! * again: device steps that changes explain, less one for each change that is told: one slide is one event;
 //! * missed: changes of the device of 5 uT at least that no step declares.
 //!
 //! Figures of a stretch, from a change, or from the start, to the next change or the end ([`Stretch`]), where it lasts 8 s at least:

@@ -1,11 +1,11 @@
 //! What choices and mechanisms are tried on: simulated groups and recordings, each made or read once and played with every setting.
 
-use super::score::{Outcome, Unit, Way};
+use super::score::{Kind, Outcome, Unit, Way};
 use crate::catalogue::{Group, Variant, find};
 use crate::error::LabError;
 use crate::replay::{Ignore, Player, Step};
 use crate::score::Figures;
-use crate::trials::{Folder, TrialScore};
+use crate::trials::{Folder, MAGNETS, MagnetScore, Trial, TrialScore};
 use magcomp::{Config, Method, Tunings};
 use std::path::Path;
 
@@ -44,6 +44,21 @@ const ALONE: &[&str] = &[
     "motion.look",
     "sensors.noise1-game",
     "faults.accelbias-game",
+];
+/// Direction and time of the magnets on recordings.
+const MAGNETS_SEED: u64 = 1;
+/// Mechanisms that read the same state, with their part: each pair of a line is tried off at once.
+pub(super) const TOGETHER: &[(&str, &[&str])] = &[
+    ("aided", &["hold", "left", "ramp", "new_place", "quarantine"]),
+    ("aided", &["unevenness", "local_learning", "local_gate", "followed", "hard_iron_walk"]),
+    ("aided", &["gyroscope_axes", "delay", "recent", "second_order"]),
+    ("aided", &["misfit", "feigned"]),
+    ("adaptive", &["cold_again", "leap", "twins", "spread"]),
+    ("adaptive", &["looks", "moves", "gradual", "recall"]),
+    ("adaptive", &["rough", "unevenness", "stays"]),
+    ("adaptive", &["tilting", "accelerometer_bias"]),
+    ("compensator", &["axes", "vouching", "field_axes"]),
+    ("compensator", &["rails", "stuck", "hanging"]),
 ];
 /// Parts of the core that have a part in one way alone; all others are tried in both.
 const IN_ONE_WAY: [(&str, Way); 3] =
@@ -117,7 +132,7 @@ pub(super) fn stream(way: Way, variant: &Variant, seed: u64, settings: &[Tunings
     let outcomes = outcomes.collect::<Result<Vec<_>, LabError>>()?;
     let unit = Unit {
         way,
-        is_trial: false,
+        kind: Kind::Stream,
         name: variant.name.clone(),
         group: variant.group.name(),
         stratum: variant.name.clone(),
@@ -135,6 +150,9 @@ pub(super) fn trial(
     let trial = folder.read(path)?;
     let (mut units, mut rows) = (Vec::new(), 0);
     for (way, settings) in settings {
+        let (with_magnets, played) = magnets(&trial, *way, settings)?;
+        units.extend(with_magnets);
+        rows += played;
         let mut outcomes = Vec::new();
         for tunings in settings {
             let begun = way.begins_s().iter().map(|begin_s| trial.play(*begin_s, way.method(), way.ignore(), *tunings));
@@ -144,7 +162,33 @@ pub(super) fn trial(
         }
         if outcomes.len() == settings.len() {
             let (name, group) = (trial.name.clone(), trial.group.clone());
-            units.push(Unit { way: *way, is_trial: true, stratum: group.clone(), name, group, outcomes });
+            units.push(Unit { way: *way, kind: Kind::Trial, stratum: group.clone(), name, group, outcomes });
+        }
+    }
+    Ok((units, rows))
+}
+
+/// Every magnet on a trial with every setting, and the samples that were played; those that can't be judged with each setting are left out.
+fn magnets(trial: &Trial, way: Way, settings: &[Tunings]) -> Result<(Vec<Unit>, usize), LabError> {
+    let (mut units, mut rows) = (Vec::new(), 0);
+    // the first of them is none
+    for magnet in MAGNETS.iter().skip(1).filter(|_| trial.takes_magnets()) {
+        let play = |tunings: &Tunings| trial.with_magnet(magnet, MAGNETS_SEED, (way.method(), way.ignore(), *tunings));
+        let scores = settings.iter().filter_map(|tunings| play(tunings).transpose());
+        let scores: Vec<MagnetScore> = scores.collect::<Result<_, _>>()?;
+        rows += scores.iter().map(|score| score.rows).sum::<usize>();
+        let outcome = |score: &MagnetScore| {
+            let figures = &score.figures;
+            Outcome {
+                false_steps: (figures.false_steps + figures.again + figures.missed) as f64,
+                hours: score.hours,
+                ..Outcome::of(figures.answered.unwrap_or(1.0), score.settled_deg, figures.z2)
+            }
+        };
+        if scores.len() == settings.len() {
+            let (name, group) = (trial.name.clone(), format!("magnet, {}", magnet.name));
+            let outcomes = scores.iter().map(outcome).collect();
+            units.push(Unit { way, kind: Kind::Magnet, stratum: group.clone(), name, group, outcomes });
         }
     }
     Ok((units, rows))
@@ -187,6 +231,16 @@ mod tests {
         let of = |part| Way::of(part);
         assert_eq!((of("adaptive"), of("aided")), (vec![Way::Alone], vec![Way::WithGyroscope]));
         assert_eq!((of("start"), of("sensing")), (vec![Way::WithGyroscope], Way::ALL.to_vec()));
+    }
+
+    #[test]
+    fn mechanisms_that_read_the_same_state_are_mechanisms_of_their_part() {
+        for (part, names) in TOGETHER {
+            for name in *names {
+                let is_there = magcomp::Tunings::mechanisms().any(|(own, it)| own == *part && it.name == *name);
+                assert!(is_there, "{part} has no mechanism {name} any more: take it out of TOGETHER");
+            }
+        }
     }
 
     #[test]

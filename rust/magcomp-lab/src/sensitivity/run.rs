@@ -1,17 +1,17 @@
 //! The worth of each choice of the estimators, and of each mechanism: simulated groups and recordings with the choice halved and doubled, with the
 //! mechanism off. Figures and their noise: `score`; what they are tried on: `bench`.
 
-use super::bench::{stream, trial};
-use super::score::{Moves, Unit, Way};
-use super::view::{Found, Row, SensitivityOptions, Subject, page};
+use super::bench::{TOGETHER, stream, trial};
+use super::score::{Contrast, Moves, Unit, Way};
+use super::view::{Found, Row, SensitivityOptions, Subject, csv, page};
 use crate::catalogue::Variant;
 use crate::error::LabError;
 use crate::parallel::cores;
 use crate::progress;
 use crate::table::Table;
 use crate::trials::Folder;
-use magcomp::Tunings;
-use std::ops::RangeInclusive;
+use magcomp::{Mechanism, Tunings};
+use std::ops::{Range, RangeInclusive};
 use std::path::Path;
 
 impl Subject {
@@ -27,6 +27,9 @@ impl Subject {
                 [0.5, 2.0].map(|factor| with(&|it| it.set(part, choice.name, choice.value * factor))).to_vec()
             }
             Self::Mechanism(mechanism) => vec![with(&|it| it.switch_off(part, mechanism.name))],
+            Self::Pair(one, other) => {
+                vec![with(&|it| it.switch_off(part, one.name) && it.switch_off(part, other.name))]
+            }
         }
     }
 }
@@ -37,13 +40,33 @@ fn subjects(options: &SensitivityOptions) -> Result<Vec<(&'static str, Subject)>
     let mechanisms = Tunings::mechanisms().map(|(part, mechanism)| (part, Subject::Mechanism(mechanism)));
     let all: Vec<_> = choices.filter(|_| !options.switches).chain(mechanisms).collect();
     let fits = |name: &str, part: &String| name.contains(part.as_str());
-    if let Some(unknown) = options.only.iter().find(|part| !all.iter().any(|(_, it)| fits(it.name(), part))) {
+    if let Some(unknown) = options.only.iter().find(|part| !all.iter().any(|(_, it)| fits(&it.name(), part))) {
         let what = if options.switches { "mechanism" } else { "choice or mechanism" };
         let why = format!("no {what} has '{unknown}' in its name; docs/dev/TUNING.md lists all");
         return Err(LabError::Usage(why));
     }
     let is_asked_for = |name: &str| options.only.is_empty() || options.only.iter().any(|part| fits(name, part));
-    Ok(all.into_iter().filter(|(_, it)| is_asked_for(it.name())).collect())
+    let mut found: Vec<_> = all.into_iter().filter(|(_, it)| is_asked_for(&it.name())).collect();
+    found.extend(pairs(&found));
+    Ok(found)
+}
+
+/// Each pair of these mechanisms that reads the same state.
+fn pairs(subjects: &[(&'static str, Subject)]) -> Vec<(&'static str, Subject)> {
+    let mut pairs = Vec::new();
+    for (part, names) in TOGETHER {
+        let own = |name: &&str| {
+            subjects.iter().find_map(|(of, subject)| match subject {
+                Subject::Mechanism(mechanism) if of == part && mechanism.name == *name => Some(*mechanism),
+                _ => None,
+            })
+        };
+        let own: Vec<_> = names.iter().filter_map(own).collect();
+        for (k, one) in own.iter().enumerate() {
+            pairs.extend(own[k + 1..].iter().map(|other| (*part, Subject::Pair(*one, *other))));
+        }
+    }
+    pairs
 }
 
 /// A piece of work: nothing that two of them need is made twice.
@@ -52,18 +75,19 @@ enum Job<'a> {
     Trial(&'a Folder, &'a Path),
 }
 
-/// Every choice and mechanism that is asked for, as the page docs/dev/TUNING.md.
+/// Every choice and mechanism that is asked for, and each pair of mechanisms that reads the same state: the page docs/dev/TUNING.md, and all figures
+/// as CSV.
 ///
 /// # Errors
 /// [`LabError::Usage`] for a name that nothing has, for one seed alone, and where a folder has no recording with a reference;
 /// [`LabError::Recording`] names a file that is at fault.
-pub fn run(options: &SensitivityOptions) -> Result<Table, LabError> {
+pub fn run(options: &SensitivityOptions) -> Result<(Table, String), LabError> {
     if options.seeds.start() == options.seeds.end() {
         return Err(LabError::Usage("one seed tells no noise; give two at least, such as --seeds 1-8".to_owned()));
     }
     let subjects = subjects(options)?;
     let mut settings: Vec<(Way, Vec<Tunings>)> = Way::ALL.map(|way| (way, vec![Tunings::default()])).to_vec();
-    let mut places = Vec::new();
+    let mut places: Vec<Place> = Vec::new();
     for (part, subject) in subjects {
         for (way, own) in settings.iter_mut().filter(|(way, _)| Way::of(part).contains(way)) {
             let tunings = subject.tunings(part);
@@ -75,16 +99,36 @@ pub fn run(options: &SensitivityOptions) -> Result<Table, LabError> {
     settings.retain(|(_, own)| own.len() > 1);
     let folders = options.recordings.iter().map(|path| Folder::open(path, options.index.as_deref()));
     let folders: Vec<Folder> = folders.collect::<Result<_, _>>()?;
+    if folders.iter().map(|folder| folder.paths.len()).sum::<usize>() == 1 {
+        let why = "one recording tells no spread; name a folder with two at least";
+        return Err(LabError::Usage(why.to_owned()));
+    }
     let variants = settings.iter().map(|(way, _)| Ok((*way, way.variants(&options.groups)?)));
     let variants: Vec<(Way, Vec<Variant>)> = variants.collect::<Result<_, LabError>>()?;
     let (units, samples) = play(&settings, &variants, &folders, &options.seeds)?;
-    let row = |(part, subject, way, places): (&'static str, Subject, Way, std::ops::Range<usize>)| {
-        let own: Vec<&Unit> = units.iter().filter(|unit| unit.way == way).collect();
-        Row { part, subject, way, moves: places.map(|setting| Moves::of(&own, setting)).collect() }
+    let setting_of = |part: &str, mechanism: &Mechanism, way: Way| {
+        let is_it = |it: &&Place| it.0 == part && it.2 == way && it.1.is(mechanism);
+        places.iter().find(is_it).map_or(0, |(.., settings)| settings.start)
     };
-    let rows = places.into_iter().map(row).collect();
-    Ok(page(&Found { options, rows, units, variants, samples }))
+    let row = |(part, subject, way, settings): &Place| {
+        let own: Vec<&Unit> = units.iter().filter(|unit| unit.way == *way).collect();
+        let contrasts: Vec<Contrast> = match subject {
+            Subject::Pair(one, other) => {
+                let [one, other] = [one, other].map(|it| setting_of(part, it, *way));
+                vec![Contrast::beyond(settings.start, one, other)]
+            }
+            _ => settings.clone().map(Contrast::of).collect(),
+        };
+        let moves = contrasts.iter().map(|contrast| Moves::of(&own, contrast)).collect();
+        Row { part: *part, subject: *subject, way: *way, moves }
+    };
+    let rows: Vec<Row> = places.iter().map(row).collect();
+    let csv = csv(&rows);
+    Ok((page(&Found { options, rows, units, variants, samples }), csv))
 }
+
+/// A subject in one way, and the numbers of its settings.
+type Place = (&'static str, Subject, Way, Range<usize>);
 
 /// Every stream and every trial with every setting of its way, and the samples that were played.
 fn play(
@@ -128,10 +172,19 @@ mod tests {
     fn what_is_asked_for_is_tried() {
         let names = |options| subjects(&options).map(|all| all.iter().map(|(_, it)| it.name()).collect::<Vec<_>>());
         assert_eq!(names(options(&["quarantine"], false)).unwrap(), ["quarantine"]);
+        // a pair where both are asked for, in the order of the list of states
+        let pair = names(options(&["quarantine", "hold"], true)).unwrap();
+        assert!(
+            pair.contains(&"hold + quarantine".to_owned()) && pair.iter().filter(|it| it.contains(" + ")).count() >= 1,
+            "{pair:?}"
+        );
         let both = names(options(&["noise_ut", "quarantine"], false)).unwrap();
         assert_eq!(both, ["noise_ut", "quarantine"]);
-        let all = names(options(&[], false)).unwrap().len();
-        let switches = names(options(&[], true)).unwrap().len();
+        let single = |switches| {
+            let all = names(options(&[], switches)).unwrap();
+            all.iter().filter(|name| !name.contains(" + ")).count()
+        };
+        let (all, switches) = (single(false), single(true));
         assert_eq!(
             (all, switches),
             (Tunings::list().count() + Tunings::mechanisms().count(), Tunings::mechanisms().count())

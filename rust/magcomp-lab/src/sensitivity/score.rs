@@ -28,7 +28,7 @@ pub(super) struct Outcome {
     /// Logarithms of the heading's error, degrees, and of z2.
     pub error: f64,
     pub z2: f64,
-    /// Device steps that nothing explains, and in how many hours.
+    /// Device steps that nothing explains, of a magnet also those that tell it again and the one that does not come; and in how many hours.
     pub false_steps: f64,
     pub hours: f64,
     /// Error with the reference's constant left in, degrees.
@@ -44,11 +44,22 @@ impl Outcome {
     }
 }
 
-/// A stream or a trial with every setting of its way; the usual one is the first.
+/// What is played.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Kind {
+    /// A simulated stream.
+    Stream,
+    /// A recording.
+    Trial,
+    /// A recording with a magnet put on: arithmetic.
+    Magnet,
+}
+
+/// One of them with every setting of its way; the usual one is the first.
 #[derive(Clone, Debug)]
 pub(super) struct Unit {
     pub way: Way,
-    pub is_trial: bool,
+    pub kind: Kind,
     pub name: String,
     pub group: String,
     /// Units that are alike but for chance.
@@ -83,6 +94,32 @@ pub(super) struct Moves {
     pub false_per_h: Option<Moved>,
     /// The worst absolute heading of the recordings, degrees.
     pub worst_deg: Option<Moved>,
+    /// Logarithms of error and z2 behind magnets put on recordings, and wrong and missed device steps an hour.
+    pub magnets: Option<[Moved; 2]>,
+    pub wrong_per_h: Option<Moved>,
+}
+
+/// Settings whose figures are added, and those that are taken off.
+pub(super) struct Contrast {
+    pub plus: Vec<usize>,
+    pub minus: Vec<usize>,
+}
+
+impl Contrast {
+    /// A setting against the usual one.
+    pub fn of(setting: usize) -> Self {
+        Self { plus: vec![setting], minus: vec![0] }
+    }
+
+    /// What both at once change beyond the sum of what each does.
+    pub fn beyond(both: usize, one: usize, other: usize) -> Self {
+        Self { plus: vec![both, 0], minus: vec![one, other] }
+    }
+
+    fn change(&self, unit: &Unit, figure: impl Fn(&Outcome) -> f64) -> f64 {
+        let sum = |settings: &[usize]| settings.iter().map(|at| figure(&unit.outcomes[*at])).sum::<f64>();
+        sum(&self.plus) - sum(&self.minus)
+    }
 }
 
 /// The mean over strata of their means, and its standard error.
@@ -107,33 +144,37 @@ pub(super) fn mean_of<'a>(changes: impl Iterator<Item = (&'a str, f64)>) -> Opti
 }
 
 impl Moves {
-    /// Of the setting of that number, against the first.
-    pub fn of(units: &[&Unit], setting: usize) -> Self {
-        let of = |is_trial: bool| units.iter().copied().filter(move |unit| unit.is_trial == is_trial);
-        let trials: Vec<&Unit> = of(true).collect();
-        let change = |unit: &Unit, figure: Figure| figure(&unit.outcomes[setting]) - figure(&unit.outcomes[0]);
+    /// Of these settings.
+    pub fn of(units: &[&Unit], contrast: &Contrast) -> Self {
+        let of = |kind: Kind| units.iter().copied().filter(move |unit| unit.kind == kind);
         type Figure = fn(&Outcome) -> f64;
+        let change = |unit: &Unit, figure: Figure| contrast.change(unit, figure);
         let figures: [(&'static str, Figure); 2] = [("error", |it| it.error), ("z2", |it| it.z2)];
         let both = |found: [Option<Moved>; 2]| found[0].zip(found[1]).map(|(error, z2)| [error, z2]);
-        let mut groups: Vec<(bool, &str)> = units.iter().map(|unit| (unit.is_trial, unit.group.as_str())).collect();
+        let mut groups: Vec<(Kind, &str)> = units.iter().map(|unit| (unit.kind, unit.group.as_str())).collect();
         groups.sort_unstable();
         groups.dedup();
-        let each = groups.into_iter().flat_map(|(is_trial, group)| {
+        let each = groups.into_iter().flat_map(|(kind, group)| {
             figures.map(|(name, figure)| {
-                let own = of(is_trial).filter(|unit| unit.group == group);
+                let own = of(kind).filter(|unit| unit.group == group);
                 Some((group.to_owned(), name, mean_of(own.map(|unit| (unit.stratum.as_str(), change(unit, figure))))?))
             })
         });
         let most = each.flatten().filter(|(_, _, moved)| moved.noises(LEAST_NOISE) > 0.0);
+        let (trials, magnets): (Vec<&Unit>, Vec<&Unit>) = (of(Kind::Trial).collect(), of(Kind::Magnet).collect());
+        // one stratum: trials of one kind are few
+        let spread = |units: &[&Unit], figure| mean_of(by_recording(units, |unit| change(unit, figure)).into_iter());
         Self {
-            streams: both(
-                figures.map(|(_, figure)| mean_of(of(false).map(|unit| (unit.stratum.as_str(), change(unit, figure))))),
-            ),
+            streams: both(figures.map(|(_, figure)| {
+                mean_of(of(Kind::Stream).map(|unit| (unit.stratum.as_str(), change(unit, figure))))
+            })),
             most: most.max_by(|(_, _, a), (_, _, b)| a.noises(LEAST_NOISE).total_cmp(&b.noises(LEAST_NOISE))),
-            // one stratum: trials of one kind are few
-            trials: both(figures.map(|(_, figure)| mean_of(trials.iter().map(|unit| ("", change(unit, figure)))))),
-            false_per_h: false_per_h(&trials, setting),
-            worst_deg: worst_deg(&trials, setting),
+            trials: both(figures.map(|(_, figure)| spread(&trials, figure))),
+            false_per_h: false_per_h(&trials, contrast),
+            // the worst of a sum is none of a setting
+            worst_deg: (contrast.minus == [0]).then(|| worst_deg(&trials, contrast.plus[0])).flatten(),
+            magnets: both(figures.map(|(_, figure)| spread(&magnets, figure))),
+            wrong_per_h: false_per_h(&magnets, contrast),
         }
     }
 
@@ -153,6 +194,10 @@ impl Moves {
         add("recorded z2", z2, LEAST_NOISE);
         add("false steps", self.false_per_h, 0.0);
         add("worst", self.worst_deg, LEAST_NOISE_DEG);
+        let [error, z2] = self.magnets.map_or([None; 2], |both| both.map(Some));
+        add("magnets' error", error, LEAST_NOISE);
+        add("magnets' z2", z2, LEAST_NOISE);
+        add("magnets' steps", self.wrong_per_h, 0.0);
         if self.most.as_ref().is_some_and(|(_, _, moved)| moved.noises(LEAST_NOISE) > MOVED_IN_A_GROUP) {
             moved.push("a group");
         }
@@ -160,10 +205,22 @@ impl Moves {
     }
 }
 
+/// The mean over what was played of each recording: magnets on one are not independent.
+fn by_recording<'a>(units: &[&'a Unit], change: impl Fn(&Unit) -> f64) -> Vec<(&'a str, f64)> {
+    let mut names: Vec<&str> = units.iter().map(|unit| unit.name.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    let mean = |name: &str| {
+        let own: Vec<f64> = units.iter().filter(|unit| unit.name == name).map(|unit| change(unit)).collect();
+        ("", own.iter().sum::<f64>() / own.len() as f64)
+    };
+    names.into_iter().map(mean).collect()
+}
+
 /// False device steps an hour of all trials together; its noise is that of a ratio of sums.
-fn false_per_h(trials: &[&Unit], setting: usize) -> Option<Moved> {
+fn false_per_h(trials: &[&Unit], contrast: &Contrast) -> Option<Moved> {
     let hours: f64 = trials.iter().map(|unit| unit.outcomes[0].hours).sum();
-    let change = |unit: &Unit| unit.outcomes[setting].false_steps - unit.outcomes[0].false_steps;
+    let change = |unit: &Unit| contrast.change(unit, |it| it.false_steps);
     let by = trials.iter().map(|unit| change(unit)).sum::<f64>() / hours;
     let squares: f64 = trials.iter().map(|unit| (change(unit) - by * unit.outcomes[0].hours).powi(2)).sum();
     let count = trials.len() as f64;
@@ -191,10 +248,10 @@ fn worst_deg(trials: &[&Unit], setting: usize) -> Option<Moved> {
 mod tests {
     use super::*;
 
-    fn unit(is_trial: bool, group: &str, stratum: &str, errors: [f64; 2]) -> Unit {
+    fn unit(kind: Kind, group: &str, stratum: &str, errors: [f64; 2]) -> Unit {
         let outcomes = errors.map(|error| Outcome { error, hours: 0.1, ..Outcome::default() }).to_vec();
         let (group, stratum) = (group.to_owned(), stratum.to_owned());
-        Unit { way: Way::Alone, is_trial, name: "r".to_owned(), group, stratum, outcomes }
+        Unit { way: Way::Alone, kind, name: "r".to_owned(), group, stratum, outcomes }
     }
 
     #[test]
@@ -227,11 +284,12 @@ mod tests {
 
     #[test]
     fn one_group_that_moves_is_named_though_all_together_do_not() {
-        let quiet = |k: usize| unit(false, "motion", ["m1", "m2", "m3"][k % 3], [1.0, 1.0 + [0.2, -0.2][k / 3 % 2]]);
+        let quiet =
+            |k: usize| unit(Kind::Stream, "motion", ["m1", "m2", "m3"][k % 3], [1.0, 1.0 + [0.2, -0.2][k / 3 % 2]]);
         let mut units: Vec<Unit> = (0..12).map(quiet).collect();
-        units.extend((0..4).map(|k| unit(false, "magnets", "g", [1.0, 1.1 + 0.01 * f64::from(k)])));
+        units.extend((0..4).map(|k| unit(Kind::Stream, "magnets", "g", [1.0, 1.1 + 0.01 * f64::from(k)])));
         let all: Vec<&Unit> = units.iter().collect();
-        let moves = Moves::of(&all, 1);
+        let moves = Moves::of(&all, &Contrast::of(1));
         let (group, figure, moved) = moves.most.clone().unwrap();
         assert_eq!((group.as_str(), figure), ("magnets", "error"));
         assert!((moved.by - 0.115).abs() < 1e-9 && moves.moved() == ["a group"], "{moves:?}");
@@ -239,25 +297,25 @@ mod tests {
         assert!((error.by - 0.115 / 4.0).abs() < 1e-9 && error.noise > error.by / 2.0 && z2.by == 0.0, "{error:?}");
         assert!(moves.trials.is_none() && moves.worst_deg.is_none() && moves.false_per_h.is_none());
         // nothing moves against itself
-        let still = Moves::of(&all, 0);
+        let still = Moves::of(&all, &Contrast::of(0));
         assert!(still.moved().is_empty() && still.most.is_none());
         // in every group alike it is all of them
-        let same: Vec<Unit> = units.iter().map(|it| unit(false, &it.group, &it.stratum, [1.0, 1.015])).collect();
-        assert_eq!(Moves::of(&same.iter().collect::<Vec<_>>(), 1).moved(), ["error"]);
-        let less: Vec<Unit> = units.iter().map(|it| unit(false, &it.group, &it.stratum, [1.0, 1.009])).collect();
-        assert!(Moves::of(&less.iter().collect::<Vec<_>>(), 1).moved().is_empty());
+        let same: Vec<Unit> = units.iter().map(|it| unit(Kind::Stream, &it.group, &it.stratum, [1.0, 1.015])).collect();
+        assert_eq!(Moves::of(&same.iter().collect::<Vec<_>>(), &Contrast::of(1)).moved(), ["error"]);
+        let less: Vec<Unit> = units.iter().map(|it| unit(Kind::Stream, &it.group, &it.stratum, [1.0, 1.009])).collect();
+        assert!(Moves::of(&less.iter().collect::<Vec<_>>(), &Contrast::of(1)).moved().is_empty());
     }
 
     #[test]
     fn false_steps_and_the_worst_count_where_they_exceed_their_noise() {
         let trial = |usual_deg, deg, steps| {
-            let mut unit = unit(true, "g", "g", [1.0; 2]);
+            let mut unit = unit(Kind::Trial, "g", "g", [1.0; 2]);
             unit.outcomes[0].absolute_deg = Some(usual_deg);
             unit.outcomes[1].absolute_deg = deg;
             (unit.outcomes[0].false_steps, unit.outcomes[1].false_steps) = (1.0, 1.0 + steps);
             unit
         };
-        let moves = |trials: &[Unit]| Moves::of(&trials.iter().collect::<Vec<_>>(), 1);
+        let moves = |trials: &[Unit]| Moves::of(&trials.iter().collect::<Vec<_>>(), &Contrast::of(1));
         // one trial of four with two more steps is chance, one more in each is not
         let one =
             moves(&[trial(10.0, Some(10.0), 2.0), trial(9.0, None, 0.0), trial(7.0, None, 0.0), trial(1.0, None, 0.0)]);
@@ -272,5 +330,30 @@ mod tests {
             let found = moves(&[10.0, 9.0, 7.0].map(|deg| trial(deg, Some(worst_deg), 0.0)));
             assert_eq!(found.moved() == ["worst"], is_moved, "{worst_deg}: {found:?}");
         }
+    }
+
+    /// Five magnets on each of two recordings are two that differ, not ten; and what both of two mechanisms do beyond the sum of what each does.
+    #[test]
+    fn magnets_on_one_recording_are_one_and_a_pair_counts_beyond_its_parts() {
+        let magnet = |recording: &str, errors: [f64; 4]| {
+            let mut unit = unit(Kind::Magnet, "27 uT", "27 uT", [0.0; 2]);
+            unit.outcomes = errors.map(|error| Outcome { error, hours: 0.1, ..Outcome::default() }).to_vec();
+            (unit.outcomes[3].false_steps, unit.name) = (2.0, recording.to_owned());
+            unit
+        };
+        // alone they do 0.1 and 0.2, together 0.5 and 0.7
+        let mut units: Vec<Unit> = (0..5).map(|_| magnet("one", [1.0, 1.1, 1.2, 1.5])).collect();
+        units.extend((0..5).map(|_| magnet("two", [2.0, 2.1, 2.2, 2.7])));
+        let all: Vec<&Unit> = units.iter().collect();
+        let both = Moves::of(&all, &Contrast::of(3));
+        let [error, _] = both.magnets.unwrap();
+        assert!((error.by - 0.6).abs() < 1e-9 && (error.noise - 0.1).abs() < 1e-9, "{error:?}");
+        assert!(
+            (both.wrong_per_h.unwrap().by - 20.0).abs() < 1e-9
+                && both.moved() == ["magnets' error", "magnets' steps", "a group"]
+        );
+        let beyond = Moves::of(&all, &Contrast::beyond(3, 1, 2));
+        assert!((beyond.magnets.unwrap()[0].by - 0.3).abs() < 1e-9 && beyond.worst_deg.is_none());
+        assert!(both.trials.is_none() && both.streams.is_none());
     }
 }

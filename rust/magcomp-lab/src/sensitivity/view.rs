@@ -1,6 +1,6 @@
 //! The page docs/dev/TUNING.md.
 
-use super::score::{MOVED, MOVED_IN_A_GROUP, Moved, Moves, Unit, Way, absolute_deg};
+use super::score::{Kind, MOVED, MOVED_IN_A_GROUP, Moved, Moves, Unit, Way, absolute_deg};
 use crate::catalogue::{Group, Variant};
 use crate::table::Table;
 use magcomp::{Choice, Mechanism};
@@ -24,11 +24,12 @@ pub struct SensitivityOptions {
     pub seeds: RangeInclusive<u64>,
 }
 
-/// A choice or a mechanism.
+/// A choice, a mechanism, or two that read the same state.
 #[derive(Clone, Copy)]
 pub(super) enum Subject {
     Choice(&'static Choice),
     Mechanism(&'static Mechanism),
+    Pair(&'static Mechanism, &'static Mechanism),
 }
 
 /// One of them, in one way.
@@ -36,7 +37,7 @@ pub(super) struct Row {
     pub part: &'static str,
     pub subject: Subject,
     pub way: Way,
-    /// Half and double, or off.
+    /// Half and double, off, or both off beyond the sum of each.
     pub moves: Vec<Moves>,
 }
 
@@ -51,50 +52,78 @@ pub(super) struct Found<'a> {
 }
 
 impl Subject {
-    pub fn name(self) -> &'static str {
+    pub fn name(self) -> String {
         match self {
-            Self::Choice(choice) => choice.name,
-            Self::Mechanism(mechanism) => mechanism.name,
+            Self::Choice(choice) => choice.name.to_owned(),
+            Self::Mechanism(mechanism) => mechanism.name.to_owned(),
+            Self::Pair(one, other) => format!("{} + {}", one.name, other.name),
+        }
+    }
+
+    /// Whether it is this mechanism.
+    pub fn is(self, mechanism: &Mechanism) -> bool {
+        matches!(self, Self::Mechanism(own) if own == mechanism)
+    }
+
+    fn kind(self) -> &'static str {
+        match self {
+            Self::Choice(_) => "choice",
+            Self::Mechanism(_) => "mechanism",
+            Self::Pair(..) => "pair",
+        }
+    }
+
+    /// What its settings are called, in their order.
+    fn settings(self) -> &'static [&'static str] {
+        match self {
+            Self::Choice(_) => &["half", "double"],
+            Self::Mechanism(_) => &["off"],
+            Self::Pair(..) => &["both off beyond each"],
+        }
+    }
+
+    fn value(self) -> String {
+        match self {
+            Self::Choice(choice) => format!("{}", choice.value),
+            Self::Mechanism(_) | Self::Pair(..) => "on".to_owned(),
         }
     }
 }
 
-const COLUMNS: [&str; 15] = [
-    "part",
-    "choice or mechanism",
-    "value",
-    "unit",
-    "tried",
-    "groups: error %",
-    "z2 %",
-    "most in one group",
-    "recordings: error %",
-    "z2 %",
-    "false steps /h",
-    "worst deg",
-    "what moves",
-    "what it is",
-    "source",
-];
-/// Of a row in which no figure moves, and in the summary.
-const NOTHING: &str = "moves nothing";
+const COLUMNS: [&str; 6] = ["part", "choice or mechanism", "value", "tried", "what moves", "what it is"];
+/// A row says in so many words what it is of.
+const WORDS: usize = 12;
+/// The columns of the CSV.
+const CSV: &str = "part,name,kind,value,unit,tried,setting,figure,by,noise,moves";
+/// Digits of its numbers behind the point.
+const DIGITS: usize = 4;
 
 pub(super) fn page(found: &Found<'_>) -> Table {
     let mut table = Table::new("# Choices of the estimators, and what each is worth", &COLUMNS);
+    table.left = true;
     table.lead.push(summary(&found.rows));
     let ways = found.variants.iter().map(|(way, _)| usual(*way, &found.units));
     table.lead.push(ways.collect::<Vec<_>>().join(" "));
     table.lead.push(made(found));
-    found.rows.iter().for_each(|row| table.row(cells(row)));
+    found
+        .rows
+        .iter()
+        .filter(|row| row.moves.iter().any(|it| !it.moved().is_empty()))
+        .for_each(|row| table.row(cells(row)));
     table.note(&format!(
-        "A row: a choice halved / doubled, or the estimator without the mechanism, against the usual one; with the gyroscope, or from magnetometer and \
-         accelerometer alone, where a recording is begun at 0, 3, 6, 9 and 12 s. All is judged from 20 s on. Error: of the published heading, root mean \
-         square of each stream, a recording's but for one constant, at most 30 deg, which counts where there is none; geometric mean. z2: mean square of error over sigma, 1 \
-         where sigma is right; geometric mean. False steps: device steps of the recordings that no magnet explains. Worst: the largest error of a recording's \
-         heading with the constant left in, deg. After +-: the noise of the change, by streams that differ in their seed alone, or by recordings; of the worst, \
-         how far the third worst is from it. A figure moves by more than {MOVED} times its noise, and by 1 %; that of the group that moves most by {MOVED_IN_A_GROUP} times. \
-         By chance one figure in twenty does.",
+        "A row: a choice halved / doubled, the estimator without the mechanism, or without two, against the usual one; with the gyroscope, or from magnetometer \
+         and accelerometer alone, where a recording is begun at 0, 3, 6, 9 and 12 s. Of two mechanisms: what leaving out both changes beyond the sum of what each \
+         does. Only rows are here of which a figure moves by more than {MOVED} times its noise, and by 1 %; that of the group that moves most by \
+         {MOVED_IN_A_GROUP} times. By chance one figure in twenty does. All figures of all rows: docs/data/tuning.csv.",
     ));
+    table.note(
+        "All is judged from 20 s on. error: of the published heading, root mean square of each stream, a recording's but for one constant, at most 30 deg, \
+         which counts where there is none; geometric mean. z2: mean square of error over sigma, 1 where sigma is right; geometric mean. recorded: of the \
+         recordings; false steps: their device steps an hour that no magnet explains; worst: the largest error of a recording's heading with the \
+         constant left in, deg. magnets: put on those recordings that have none (arithmetic, not a real magnet), from 5 s after the change on; their \
+         steps: missed, told again or false, an hour. After +-: the noise of the change, by streams that differ in their seed alone, or by recordings; of the \
+         worst, how far the third worst is from it.",
+    );
     table
 }
 
@@ -108,40 +137,83 @@ fn summary(rows: &[Row]) -> String {
             None => all.push((row.part, row.subject, moves)),
         }
     }
-    let of = |is_choice: bool| all.iter().filter(move |(_, it, _)| matches!(it, Subject::Choice(_)) == is_choice);
-    let still = |is_choice: bool| {
-        let names = of(is_choice).filter(|(_, _, moves)| !moves).map(|(part, it, _)| format!("{part} {}", it.name()));
+    let of = |kind: &'static str| all.iter().filter(move |(_, it, _)| it.kind() == kind);
+    let still = |kind: &'static str| {
+        let names = of(kind).filter(|(_, _, moves)| !moves).map(|(part, it, _)| format!("{part} {}", it.name()));
         let names: Vec<String> = names.collect();
-        let list = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
+        let list = if names.is_empty() || kind == "pair" { String::new() } else { format!(" ({})", names.join(", ")) };
         format!("{}{list}", names.len())
     };
     format!(
-        "{} choices and {} mechanisms that can be switched off were tried. Nothing anywhere is moved by {} of the choices and {} of the mechanisms.",
-        of(true).count(),
-        of(false).count(),
-        still(true),
-        still(false),
+        "{} choices, {} mechanisms that can be switched off and {} pairs of these that read the same state were tried. Nothing anywhere is moved by {} of the \
+         choices and {} of the mechanisms; {} of the pairs do no more than the sum of both.",
+        of("choice").count(),
+        of("mechanism").count(),
+        of("pair").count(),
+        still("choice"),
+        still("mechanism"),
+        still("pair"),
     )
+}
+
+/// All figures of all rows, a line each: those of logarithms in percent.
+pub(super) fn csv(rows: &[Row]) -> String {
+    let mut text = format!("{CSV}\n");
+    for row in rows {
+        let Row { part, subject, way, .. } = row;
+        let unit = if let Subject::Choice(choice) = subject { choice.unit } else { "" };
+        for (moves, setting) in row.moves.iter().zip(subject.settings()) {
+            let moved = moves.moved();
+            for (name, (by, noise)) in figures(moves) {
+                let number = |value: f64| if value.is_finite() { format!("{value:.DIGITS$}") } else { String::new() };
+                let (name_of, value, kind, way) = (subject.name(), subject.value(), subject.kind(), way.name());
+                let is_moved = u8::from(moved.contains(&name));
+                text += &format!(
+                    "{part},{name_of},{kind},{value},{unit},{way},{setting},{name},{},{},{is_moved}\n",
+                    number(by),
+                    number(noise)
+                );
+            }
+        }
+    }
+    text
+}
+
+/// Each figure that there is, with its noise: logarithms in percent.
+fn figures(moves: &Moves) -> Vec<(&'static str, (f64, f64))> {
+    let percent = |moved: Moved| (100.0 * moved.by.exp_m1(), 100.0 * moved.noise.exp_m1());
+    let plain = |moved: Moved| (moved.by, moved.noise);
+    let of = |both: Option<[Moved; 2]>, at: usize| both.map(|both| percent(both[at]));
+    let found = [
+        ("error", of(moves.streams, 0)),
+        ("z2", of(moves.streams, 1)),
+        ("a group", moves.most.as_ref().map(|(_, _, moved)| percent(*moved))),
+        ("recorded error", of(moves.trials, 0)),
+        ("recorded z2", of(moves.trials, 1)),
+        ("false steps", moves.false_per_h.map(plain)),
+        ("worst", moves.worst_deg.map(plain)),
+        ("magnets' error", of(moves.magnets, 0)),
+        ("magnets' z2", of(moves.magnets, 1)),
+        ("magnets' steps", moves.wrong_per_h.map(plain)),
+    ];
+    found.into_iter().filter_map(|(name, moved)| Some((name, moved?))).collect()
 }
 
 /// The figures of the usual setting.
 fn usual(way: Way, units: &[Unit]) -> String {
-    let of = |is_trial: bool| units.iter().filter(move |unit| unit.way == way && unit.is_trial == is_trial);
+    let of = |kind: Kind| units.iter().filter(move |unit| unit.way == way && unit.kind == kind);
     let mut text = vec![format!("Usual, {}:", way.name())];
-    for (is_trial, name) in [(false, "groups"), (true, "recordings")] {
-        let count = of(is_trial).count();
+    for (kind, name) in [(Kind::Stream, "groups"), (Kind::Trial, "recordings"), (Kind::Magnet, "magnets")] {
+        let count = of(kind).count();
         if count == 0 {
             continue;
         }
         // each variant has as many seeds
-        let mean = |figure: fn(&Unit) -> f64| (of(is_trial).map(figure).sum::<f64>() / count as f64).exp();
+        let mean = |figure: fn(&Unit) -> f64| (of(kind).map(figure).sum::<f64>() / count as f64).exp();
         let (error, z2) = (mean(|unit| unit.outcomes[0].error), mean(|unit| unit.outcomes[0].z2));
-        text.push(format!(
-            "{name} ({count} streams) error {error:.2} deg, z2 {z2:.2}{}",
-            if is_trial { "," } else { ";" }
-        ));
+        text.push(format!("{name} ({count} streams) error {error:.2} deg, z2 {z2:.2};"));
     }
-    let trials: Vec<&Unit> = of(true).collect();
+    let trials: Vec<&Unit> = of(Kind::Trial).collect();
     let sum = |figure: fn(&Unit) -> f64| trials.iter().map(|unit| figure(unit)).sum::<f64>();
     if !trials.is_empty() {
         let steps = sum(|unit| unit.outcomes[0].false_steps) / sum(|unit| unit.outcomes[0].hours);
@@ -181,51 +253,28 @@ fn made(found: &Found<'_>) -> String {
 }
 
 fn cells(row: &Row) -> Vec<String> {
-    let (value, unit, what, source) = match row.subject {
-        Subject::Choice(choice) => (format!("{}", choice.value), choice.unit, choice.meaning, choice.source),
-        Subject::Mechanism(mechanism) => ("on".to_owned(), "", mechanism.meaning, ""),
+    let what = match row.subject {
+        Subject::Choice(choice) => choice.meaning,
+        Subject::Mechanism(mechanism) => mechanism.meaning,
+        Subject::Pair(..) => "both off beyond the sum of each",
     };
-    let each = |cell: &dyn Fn(&Moves) -> String| row.moves.iter().map(cell).collect::<Vec<_>>().join(" / ");
-    let both = |found: Option<[Moved; 2]>, at: usize| found.map_or_else(dash, |both| percent(&both[at]));
-    let mut moved: Vec<&str> = Vec::new();
-    for name in row.moves.iter().flat_map(Moves::moved) {
-        if !moved.contains(&name) {
-            moved.push(name);
-        }
-    }
-    vec![
-        row.part.to_owned(),
-        row.subject.name().to_owned(),
-        value,
-        unit.to_owned(),
-        row.way.name().to_owned(),
-        each(&|it| both(it.streams, 0)),
-        each(&|it| both(it.streams, 1)),
-        each(&|it| {
-            it.most.as_ref().map_or_else(dash, |(group, figure, moved)| format!("{group}: {figure} {}", percent(moved)))
-        }),
-        each(&|it| both(it.trials, 0)),
-        each(&|it| both(it.trials, 1)),
-        each(&|it| it.false_per_h.as_ref().map_or_else(dash, plain)),
-        each(&|it| it.worst_deg.as_ref().map_or_else(dash, plain)),
-        if moved.is_empty() { format!("*{NOTHING}") } else { moved.join(", ") },
-        what.trim().to_owned(),
-        source.to_owned(),
-    ]
-}
-
-fn dash() -> String {
-    "-".to_owned()
-}
-
-/// A change of a logarithm.
-fn percent(moved: &Moved) -> String {
-    let per_cent = |of: f64| 100.0 * of.exp_m1();
-    shown(per_cent(moved.by), per_cent(moved.noise), 0)
-}
-
-fn plain(moved: &Moved) -> String {
-    shown(moved.by, moved.noise, 1)
+    let words: Vec<&str> = what.split_whitespace().collect();
+    let what = words[..words.len().min(WORDS)].join(" ");
+    let moved = |moves: &Moves| {
+        let told = figures(moves).into_iter().filter(|(name, _)| moves.moved().contains(name));
+        let told = told.map(|(name, (by, noise))| match (name, &moves.most) {
+            ("a group", Some((group, figure, _))) => format!("{group}: {figure} {} %", shown(by, noise, 0)),
+            ("false steps" | "magnets' steps", _) => format!("{name} {} /h", shown(by, noise, 1)),
+            ("worst", _) => format!("{name} {} deg", shown(by, noise, 1)),
+            _ => format!("{name} {} %", shown(by, noise, 0)),
+        });
+        let told: Vec<String> = told.collect();
+        if told.is_empty() { "-".to_owned() } else { told.join(", ") }
+    };
+    let moves = row.moves.iter().map(moved).collect::<Vec<_>>().join(" / ");
+    let unit = if let Subject::Choice(choice) = row.subject { choice.unit } else { "" };
+    let value = format!("{} {unit}", row.subject.value()).trim_end().to_owned();
+    vec![row.part.to_owned(), row.subject.name(), value, row.way.name().to_owned(), moves, what]
 }
 
 /// A change and its noise; 0 where nothing at all changes.
@@ -250,35 +299,55 @@ mod tests {
         Row { part, subject, way, moves: by.iter().map(moves).collect() }
     }
 
-    #[test]
-    fn a_row_tells_each_setting_with_its_noise_and_what_moves() {
-        let (part, choice) = Tunings::list().next().unwrap();
-        let found = cells(&row(part, Subject::Choice(choice), Way::Alone, &[0.0953, -0.03]));
-        assert_eq!(found[..4], [part, choice.name, &choice.value.to_string(), choice.unit]);
-        assert_eq!(found[4..8], ["alone", "+10 +- 1 / -3.0 +- 1.0", "0 / 0", "- / -"]);
-        assert_eq!((found[12].as_str(), found.len()), ("error", COLUMNS.len()));
-        let still = cells(&row(part, Subject::Choice(choice), Way::Alone, &[0.019, -0.019]));
-        assert_eq!(still[12], "*moves nothing");
-        assert_eq!(shown(0.5, f64::INFINITY, 1), "+0.50 +- ?");
+    fn all() -> (Vec<(&'static str, Subject)>, Vec<(&'static str, &'static Mechanism)>) {
+        let choices = Tunings::list().map(|(part, choice)| (part, Subject::Choice(choice)));
+        (choices.collect(), Tunings::mechanisms().collect())
     }
 
-    /// A choice that is tried in two ways is one, and moves something where it does so in either.
+    #[test]
+    fn a_row_tells_what_moves_with_its_noise_and_the_csv_all() {
+        let (part, subject) = all().0[0];
+        let Subject::Choice(choice) = subject else { panic!("a choice") };
+        let found = cells(&row(part, subject, Way::Alone, &[0.0953, -0.03]));
+        let value = format!("{} {}", choice.value, choice.unit).trim_end().to_owned();
+        assert_eq!(found[..4], [part, choice.name, &value, "alone"]);
+        assert_eq!((found[4].as_str(), found.len()), ("error +10 +- 1 % / error -3.0 +- 1.0 %", COLUMNS.len()));
+        assert!(found[5].split(' ').count() <= WORDS && choice.meaning.trim().starts_with(&found[5]), "{}", found[5]);
+        assert_eq!(shown(0.5, f64::INFINITY, 1), "+0.50 +- ?");
+        let lines = csv(&[row(part, subject, Way::Alone, &[0.0953, 0.0])]);
+        let lines: Vec<&str> = lines.lines().collect();
+        // two settings of two figures
+        assert_eq!((lines[0], lines.len()), (CSV, 5));
+        let begins = format!("{part},{},choice,{},{},alone,", choice.name, choice.value, choice.unit);
+        assert_eq!(lines[1], format!("{begins}half,error,9.9989,1.0050,1"));
+        assert_eq!(lines[4], format!("{begins}double,z2,0.0000,1.0050,0"));
+    }
+
+    /// A choice that is tried in two ways is one, and moves something where it does so in either; rows that move nothing are not on the page.
     #[test]
     fn the_summary_counts_what_moves_nothing_anywhere() {
-        let mut choices = Tunings::list().map(|(part, choice)| (part, Subject::Choice(choice)));
-        let (first, second) = (choices.next().unwrap(), choices.next().unwrap());
-        let mechanism = Tunings::mechanisms().map(|(part, it)| (part, Subject::Mechanism(it))).next().unwrap();
-        let rows = [
+        let (choices, mechanisms) = all();
+        let (first, second, (part, mechanism)) = (choices[0], choices[1], mechanisms[0]);
+        let pair = Subject::Pair(mechanism, mechanisms[1].1);
+        let rows = vec![
             row(first.0, first.1, Way::WithGyroscope, &[0.0, 0.0]),
             row(first.0, first.1, Way::Alone, &[0.0, 0.5]),
             row(second.0, second.1, Way::Alone, &[0.019, 0.0]),
-            row(mechanism.0, mechanism.1, Way::Alone, &[0.3]),
+            row(part, Subject::Mechanism(mechanism), Way::Alone, &[0.3]),
+            row(part, pair, Way::Alone, &[0.0]),
         ];
         let expected = format!(
-            "2 choices and 1 mechanisms that can be switched off were tried. Nothing anywhere is moved by 1 ({} {}) of the choices and 0 of the mechanisms.",
+            "2 choices, 1 mechanisms that can be switched off and 1 pairs of these that read the same state were tried. Nothing anywhere is moved by 1 ({} {}) \
+             of the choices and 0 of the mechanisms; 1 of the pairs do no more than the sum of both.",
             second.0,
             second.1.name()
         );
         assert_eq!(summary(&rows), expected);
+        let (recordings, groups, only) = Default::default();
+        let options = SensitivityOptions { recordings, index: None, groups, only, switches: false, seeds: 1..=4 };
+        let found = Found { options: &options, rows, units: Vec::new(), variants: Vec::new(), samples: 0 };
+        let shown: Vec<String> = page(&found).rows.into_iter().map(|row| format!("{} {}", row[1], row[4])).collect();
+        assert_eq!(shown.len(), 2, "{shown:?}");
+        assert!(shown[0].ends_with("- / error +65 +- 1 %") && shown[1].ends_with("error +35 +- 1 %"), "{shown:?}");
     }
 }

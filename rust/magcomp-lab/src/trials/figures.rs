@@ -24,8 +24,8 @@ pub struct Figure {
     pub shown: (f64, usize),
     /// Which values are bad.
     pub worse: Worse,
-    /// Its value.
-    pub of: fn(&Judgement) -> Option<f64>,
+    /// Its value, by the judgement and the bound, degrees.
+    pub of: fn(&Judgement, Option<f64>) -> Option<f64>,
 }
 
 const AS_IS: f64 = 1.0;
@@ -35,38 +35,46 @@ const PERCENT: f64 = 100.0;
 const FEWEST: usize = 100;
 
 /// All figures, in the order of the columns.
-pub const FIGURES: [Figure; 16] = [
-    large("heading_rms_deg", "heading", |found| Some(published(found)?.rms_deg)),
-    large("heading_p95_deg", "p95", |found| Some(published(found)?.p95_deg)),
-    large("heading_absolute_deg", "absolute", |found| absolute(found)?.rms_deg),
-    Figure { worse: Worse::Neither, ..large("constant_deg", "constant", |found| Some(published(found)?.constant_deg)) },
-    large("corrected_rms_deg", "c", |found| Some(found.heading?.rms_deg)),
-    large("corrected_absolute_deg", "c abs.", |found| Some(found.heading?.absolute_rms_deg)),
-    large("carried_rms_deg", "f", |found| Some(found.carried_heading?.rms_deg)),
-    large("carried_absolute_deg", "f abs.", |found| Some(found.carried_heading?.absolute_rms_deg)),
-    small("within_one_sigma", "in 1 s %", |found| Some(absolute(found)?.within_sigma?[0])),
-    small("within_two_sigma", "in 2 s %", |found| Some(absolute(found)?.within_sigma?[1])),
-    Figure { shown: (AS_IS, 2), ..large("z_squared", "z^2", |found| absolute(found)?.z_squared) },
-    large("sigma_deg", "sigma", |found| absolute(found)?.sigma_deg),
-    large("longest_lie_s", "lie s", |found| absolute(found)?.longest_lie_s),
-    large("device_steps_per_hour", "steps/h", |found| {
+pub const FIGURES: [Figure; 18] = [
+    large("heading_rms_deg", "heading", |found, _| Some(published(found)?.rms_deg)),
+    large("heading_p95_deg", "p95", |found, _| Some(published(found)?.p95_deg)),
+    large("heading_absolute_deg", "absolute", |found, _| absolute(found)?.rms_deg),
+    Figure {
+        worse: Worse::Neither,
+        ..large("constant_deg", "constant", |found, _| Some(published(found)?.constant_deg))
+    },
+    Figure { worse: Worse::Neither, ..large("bound_deg", "bound", |_, bound_deg| bound_deg) },
+    Figure {
+        shown: (AS_IS, 2),
+        ..large("over_bound", "/ bound", |found, bound_deg| Some(published(found)?.rms_deg / bound_deg?))
+    },
+    large("corrected_rms_deg", "c", |found, _| Some(found.heading?.rms_deg)),
+    large("corrected_absolute_deg", "c abs.", |found, _| Some(found.heading?.absolute_rms_deg)),
+    large("carried_rms_deg", "f", |found, _| Some(found.carried_heading?.rms_deg)),
+    large("carried_absolute_deg", "f abs.", |found, _| Some(found.carried_heading?.absolute_rms_deg)),
+    small("within_one_sigma", "in 1 s %", |found, _| Some(absolute(found)?.within_sigma?[0])),
+    small("within_two_sigma", "in 2 s %", |found, _| Some(absolute(found)?.within_sigma?[1])),
+    Figure { shown: (AS_IS, 2), ..large("z_squared", "z^2", |found, _| absolute(found)?.z_squared) },
+    large("sigma_deg", "sigma", |found, _| absolute(found)?.sigma_deg),
+    large("longest_lie_s", "lie s", |found, _| absolute(found)?.longest_lie_s),
+    large("device_steps_per_hour", "steps/h", |found, _| {
         let hours = found.duration_s / 3600.0;
         (hours > 0.0).then(|| found.device_changes.len() as f64 / hours)
     }),
-    large("first_s", "first s", |found| found.absolute_heading.first_s),
-    small("answered", "answered %", |found| {
+    large("first_s", "first s", |found, _| found.absolute_heading.first_s),
+    small("answered", "answered %", |found, _| {
         let AbsoluteHeading { rows, headings, .. } = found.absolute_heading;
         (rows > 0).then(|| headings as f64 / rows as f64)
     }),
 ];
 
 /// A figure of which large values are bad, shown with a digit after the point.
-const fn large(name: &'static str, column: &'static str, of: fn(&Judgement) -> Option<f64>) -> Figure {
+const fn large(name: &'static str, column: &'static str, of: fn(&Judgement, Option<f64>) -> Option<f64>) -> Figure {
     Figure { name, column, shown: (AS_IS, 1), worse: Worse::Large, of }
 }
 
 /// A share of which small values are bad, shown in percent.
-const fn small(name: &'static str, column: &'static str, of: fn(&Judgement) -> Option<f64>) -> Figure {
+const fn small(name: &'static str, column: &'static str, of: fn(&Judgement, Option<f64>) -> Option<f64>) -> Figure {
     Figure { name, column, shown: (PERCENT, 0), worse: Worse::Small, of }
 }
 

@@ -1,9 +1,12 @@
-//! Trials: recordings with a reference orientation in one folder, each played and judged, then summed up by groups; and beside other
-//! methods (`rivals`), or played again and again with other choices (`tuned`).
+//! Trials: recordings with a reference orientation in one folder, each played and judged, then summed up by groups; with magnets put on by arithmetic
+//! (`magnets`); beside other methods (`rivals`), or played again and again with other choices (`tuned`).
 
+mod bound;
 mod figures;
 mod folder;
 mod groups;
+mod magnets;
+mod magnets_view;
 mod rivals;
 mod rivals_view;
 mod score;
@@ -11,28 +14,35 @@ mod tuned;
 mod view;
 
 pub use figures::{FIGURES, Figure};
+pub use magnets::{MAGNETS, Magnet, MagnetScore, MagnetTrials, put_on_folder};
 pub use rivals::{Comparison, Entry, compare_folder};
 pub use score::{GroupScore, Score, Summary, Trials};
 pub use tuned::{Folder, Trial, TrialScore};
 
 use crate::error::LabError;
 use crate::progress;
+use crate::replay::Ignore;
 use folder::recordings;
 use groups::Groups;
 use score::with_warnings;
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-/// Plays and judges every recording of `folder` that has a reference, on so many threads; `index` names groups and declinations
+/// Plays and judges every recording of `folder` that has a reference without the sensors that are left out, on so many threads; `index` names groups and declinations
 /// (`magcomp evaluate --help`), the folder's own `INDEX.csv` when it is none. The result does not depend on the number of threads.
 ///
 /// # Errors
 /// [`LabError::Recording`] names the file that is at fault; [`LabError::Usage`] where no recording has a
 /// reference.
-pub fn judge_folder(folder: &Path, index: Option<&Path>, threads: NonZeroUsize) -> Result<Trials, LabError> {
+pub fn judge_folder(
+    folder: &Path,
+    index: Option<&Path>,
+    ignore: Ignore,
+    threads: NonZeroUsize,
+) -> Result<Trials, LabError> {
     let paths = recordings(folder)?;
     let groups = Groups::of(folder, index)?;
-    let scores = progress::map("evaluate", &paths, threads, |path| Score::of(path, &groups));
+    let scores = progress::map("evaluate", &paths, threads, |path| Score::of(path, &groups, ignore));
     let scores = scores.into_iter().collect::<Result<_, _>>()?;
     let (recordings, warnings) = with_warnings(scores, &groups);
     Ok(Trials { groups: GroupScore::of_all(&recordings, &groups), recordings, warnings })

@@ -9,7 +9,7 @@ use crate::beside::read_table;
 use crate::error::LabError;
 use crate::experiment::compare_recording::{FIELD_UT, NOISE_UT, push_inertial};
 use crate::progress;
-use crate::replay::VectorsJudge;
+use crate::replay::{Ignore, VectorsJudge};
 use magcomp::nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use magcomp::{Calibration, FitOptions, MagneticSample, Residual, fit_ellipsoid};
 use magcomp_recordings::import::{ImportOptions, open};
@@ -190,7 +190,7 @@ pub fn compare_folder(
     let paths = recordings(folder)?;
     let groups = Groups::of(folder, index)?;
     let both = progress::map("compare", &paths, threads, |path| {
-        Score::of(path, &groups).and_then(|score| Ok((score, compared(path, &groups, entries)?)))
+        Score::of(path, &groups, Ignore::default()).and_then(|score| Ok((score, compared(path, &groups, entries)?)))
     });
     let both = both.into_iter().collect::<Result<Vec<_>, _>>()?;
     let (scores, recordings): (Vec<(Score, Vec<String>)>, Vec<Compared>) = both.into_iter().unzip();

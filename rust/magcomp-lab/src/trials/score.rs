@@ -1,5 +1,6 @@
 //! A recording's figures, and the sums over groups of recordings.
 
+use super::bound::Bounding;
 use super::figures::{FIGURES, Worse};
 use super::folder::name_of;
 use super::groups::{Groups, Rule};
@@ -77,12 +78,12 @@ pub struct Trials {
 
 impl Score {
     /// Plays a recording and judges it. Warnings about it come beside.
-    pub(super) fn of(path: &Path, groups: &Groups) -> Result<(Self, Vec<String>), LabError> {
+    pub(super) fn of(path: &Path, groups: &Groups, ignore: Ignore) -> Result<(Self, Vec<String>), LabError> {
         let recording = name_of(path);
         let Rule { group, declination_deg, .. } = groups.find(&recording);
         let opened = open(&[path.to_owned()], &ImportOptions::default())?;
         let warnings = opened.warnings.clone();
-        let found = judged(opened, *declination_deg)?;
+        let (found, bound_deg) = judged(opened, *declination_deg, ignore)?;
         let score = Self {
             group: group.to_owned(),
             recording,
@@ -90,17 +91,24 @@ impl Score {
             hours: found.duration_s / 3600.0,
             rows: found.absolute_heading.rows,
             device_steps: found.device_changes.len(),
-            figures: FIGURES.iter().map(|figure| (figure.name, (figure.of)(&found))).collect(),
+            figures: FIGURES.iter().map(|figure| (figure.name, (figure.of)(&found, bound_deg))).collect(),
         };
         Ok((score, warnings))
     }
 }
 
-/// A recording through the default config, with its declination.
-fn judged(Opened { mut source, .. }: Opened, declination_deg: f64) -> Result<Judgement, LabError> {
-    let player = Player::new(&config(declination_deg), Ignore::default())?;
+/// A recording through the default config, with its declination; and the bound, degrees.
+fn judged(
+    Opened { mut source, .. }: Opened,
+    declination_deg: f64,
+    ignore: Ignore,
+) -> Result<(Judgement, Option<f64>), LabError> {
+    let player = Player::new(&config(declination_deg), ignore)?;
     let extent = *source.extent();
-    judge_rows(player, &extent, source.rows()?)
+    let mut bounding = Bounding::default();
+    let rows = source.rows()?.inspect(|row| row.iter().for_each(|row| bounding.add(row)));
+    let found = judge_rows(player, &extent, rows)?;
+    Ok((found, bounding.finish()))
 }
 
 /// The default config where magnetic north is so far east of the reference's.

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 pub struct Folder {
     /// Their paths, by name.
     pub paths: Vec<PathBuf>,
-    groups: Groups,
+    pub(super) groups: Groups,
 }
 
 /// A recording in memory.
@@ -25,9 +25,9 @@ pub struct Trial {
     pub name: String,
     /// Its group.
     pub group: String,
-    declination_deg: f64,
-    magnet_s: Option<(f64, f64)>,
-    rows: Vec<Row>,
+    pub(super) declination_deg: f64,
+    pub(super) magnet_s: Option<(f64, f64)>,
+    pub(super) rows: Vec<Row>,
 }
 
 /// What a play of a trial came to, judged from 20 s after its begin on.
@@ -123,7 +123,8 @@ mod tests {
         // its own index counts, whatever other is named
         assert_eq!(trial.group, "a magnet on the sensor");
         let path = folder.join("broad_34_attached_magnet_3cm.csv.gz");
-        let (score, _) = super::super::Score::of(&path, &Groups::of(&folder, None).unwrap()).unwrap();
+        let (score, _) =
+            super::super::Score::of(&path, &Groups::of(&folder, None).unwrap(), Ignore::default()).unwrap();
         let play = |begin_s, ignore| trial.play(begin_s, Method::Auto, ignore, Tunings::default()).unwrap();
         let whole = play(0.0, Ignore::default()).unwrap();
         let of = |name: &str| score.figures[name];

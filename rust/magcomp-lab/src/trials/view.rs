@@ -55,7 +55,8 @@ fn groups(groups: &[GroupScore]) -> Table {
     }
     table.note(
         "Angles in degrees, over rows after 20 s with a reference. heading, p95, c, f: rms (95th percentile) of the error of the published heading, of \
-         the corrected sample and of the carried field, up to one constant; constant: the one of the published heading, positive clockwise. \
+         the corrected sample and of the carried field, up to one constant; constant: the one of the published heading, positive clockwise. bound: what \
+         the best carrier between the place's unevenness and the gyroscope's drift could have, both by the reference; / bound: heading over it. \
          absolute, abs.: rms without taking it out. The published heading counts where its axis, the top edge, is within 60 deg of the \
          horizontal, in 100 rows at least.",
     );

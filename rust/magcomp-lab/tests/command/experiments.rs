@@ -185,24 +185,37 @@ fn sensitivity_tries_what_it_is_asked_for_on_streams_and_recordings() {
     fs::create_dir(&trials).unwrap();
     for seed in ["4", "5", "6"] {
         let path = trials.join(format!("walk{seed}.csv"));
-        assert_eq!(run(&["simulate", text(&path), "--seed", seed, "--seconds", "40"]).0, 0);
+        assert_eq!(run(&["simulate", text(&path), "--seed", seed, "--seconds", "60"]).0, 0);
     }
-    let arguments = ["--only", "noise_learning", "--group", "pause", "--seeds", "1-2", "--recordings", text(&trials)];
-    let (code, page, error) = run(&[&["sensitivity"][..], &arguments].concat());
+    let only = ["--only", "noise_learning,gyroscope_axes,delay", "--switches"];
+    let arguments = ["--group", "pause", "--seeds", "1-2", "--recordings", text(&trials)];
+    let csv = folder.path().join("all.csv");
+    let (code, page, error) = run(&[&["sensitivity", "--csv", text(&csv)][..], &only, &arguments].concat());
     assert_eq!(code, 0, "{error}");
     assert!(error.ends_with(" minutes\n"), "{error}");
     assert!(!page.contains(text(folder.path())), "{page}");
-    assert!(page.contains("0 choices and 1 mechanisms that can be switched off were tried."), "{page}");
+    assert!(page.contains("0 choices, 3 mechanisms that can be switched off and 1 pairs"), "{page}");
     let words = page.split_whitespace().collect::<Vec<_>>().join(" ");
-    let command = "--seeds 1-2 --recordings walks --group pause --only noise_learning`";
+    let command = "--seeds 1-2 --recordings walks --group pause --only noise_learning --only gyroscope_axes --only delay --switches`";
     assert!(words.contains(command) && words.contains("with gyroscope: pause.2s-b."), "{words}");
     assert!(words.contains("groups (2 streams)") && words.contains("recordings (3 streams)"), "{words}");
-    let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| aided | noise_learning | on |")).collect();
-    let cells: Vec<&str> = rows[0].split('|').map(str::trim).collect();
-    assert_eq!((rows.len(), cells.len()), (1, 17), "{page}");
-    // groups: error, z2; recordings: error, z2
-    assert!([6, 7, 9, 10].iter().all(|column| cells[*column].contains(" +- ")), "{page}");
-    assert!(cells[8].starts_with("pause: ") || cells[8].starts_with("all: "), "{page}");
+    let table = fs::read_to_string(&csv).unwrap();
+    let figures = |begin: &str| -> Vec<Vec<String>> {
+        let own = table.lines().filter(|line| line.starts_with(begin));
+        own.map(|line| line.split(',').map(str::to_owned).collect()).collect()
+    };
+    let noise = figures("aided,noise_learning,mechanism,on,,with gyroscope,off,");
+    let names: Vec<&str> = noise.iter().map(|cells| cells[7].as_str()).collect();
+    let streams = ["error", "z2", "a group", "recorded error", "recorded z2", "false steps", "worst"];
+    assert!(names.starts_with(&streams) && names.contains(&"magnets' error"), "{table}");
+    // a figure and its noise: three recordings have a spread
+    assert!(noise.iter().all(|cells| cells[8..10].iter().all(|cell| cell.parse::<f64>().is_ok())), "{table}");
+    assert!(figures("aided,gyroscope_axes + delay,pair,").len() >= 6, "{table}");
+    let shown = page.lines().filter(|line| line.starts_with("| aided | ")).count();
+    let moved = |name: &str| figures(&format!("aided,{name},")).iter().any(|cells| cells[10] == "1");
+    let moved =
+        ["noise_learning", "gyroscope_axes", "delay", "gyroscope_axes + delay"].into_iter().filter(|it| moved(it));
+    assert_eq!(shown, moved.count(), "{page}");
 }
 
 #[test]
@@ -217,5 +230,11 @@ fn sensitivity_refuses_what_there_is_not() {
     assert!(refused(&["--recordings", "tests", "--only", "nobody"]).contains("no choice or mechanism has 'nobody'"));
     assert!(refused(&["--recordings", "tests", "--seeds", "3"]).contains("one seed tells no noise"));
     assert!(refused(&["--recordings", "src", "--switches"]).contains("no recording"));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("one.csv");
+    assert_eq!(run(&["simulate", text(&path), "--seconds", "30"]).0, 0);
+    assert!(
+        refused(&["--recordings", text(folder.path()), "--only", "delay"]).contains("one recording tells no spread")
+    );
     assert!(refused(&["--recordings", "tests", "--group", "nothing"]).contains("--group"));
 }
