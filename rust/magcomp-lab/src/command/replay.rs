@@ -18,7 +18,7 @@ use magcomp::nalgebra::Vector3;
 use magcomp::{Config, HeadedAxis, HeadingConfig, ReferenceAxis, WindowedConfig};
 use magcomp_recordings::error::RecordingError;
 use magcomp_recordings::import::{ImportOptions, Opened, open};
-use magcomp_recordings::place::{Day, GeoPoint, earth_field};
+use magcomp_recordings::place::{Day, GeoPoint, earth_field_near};
 use magcomp_recordings::recording::{Row, files_of, name_of};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -257,16 +257,24 @@ impl Replay {
         warn_of(&conventions);
         // a log's own position needs no option; it may be older than the model
         let own = position.filter(|_| self.place.is_none() && self.declination.is_none());
-        let own = own.zip(self.date.or(day)).and_then(|(place, day)| earth_field(place, day).ok());
+        let mut notes = Vec::new();
+        let mut at = |place, day| {
+            let (field, told) = earth_field_near(place, day)?;
+            warn(told.as_slice());
+            notes.extend(told);
+            Ok::<_, RecordingError>(field)
+        };
         let earth = match (self.place, self.date.or(day)) {
-            (Some(place), Some(day)) => Some(earth_field(place, day)?),
+            (Some(place), Some(day)) => Some(at(place, day)?),
             (Some(_), None) => {
                 let why = "its times do not say the date that --place needs; add --date YYYY-MM-DD";
                 return Err(LabError::Usage(format!("{}: {why}", source.path().display())));
             }
-            (None, _) => own,
+            // a height that the model does not hold ends no replay that asked for no place
+            (None, day) => own.zip(day).and_then(|(place, day)| at(place, day).ok()),
         };
-        let declination_deg = self.declination.or(earth.map(|earth| earth.declination_deg));
+        let modelled = earth.map(|earth| earth.declination_deg).filter(|deg| deg.is_finite());
+        let declination_deg = self.declination.or(modelled);
         let axis = match self.axis {
             AxisChoice::Top => ReferenceAxis::TopEdge,
             AxisChoice::Camera => ReferenceAxis::Camera,
@@ -347,7 +355,8 @@ impl Replay {
             write_calibration(path, players[0].compensator(), &name_of(source.path()), extent.end_s)?;
         }
 
-        let known = Known { session: session.as_ref().map(session_table), conventions, warnings };
+        let courses = players[0].courses().clone();
+        let known = Known { session: session.as_ref().map(session_table), conventions, warnings, notes, courses };
         Ok(gathering.finish(&name_of(source.path()), &as_typed(&self.method), earth, &known))
     }
 }
