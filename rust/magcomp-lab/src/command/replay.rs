@@ -19,10 +19,14 @@ use magcomp::{Config, HeadedAxis, HeadingConfig, ReferenceAxis, WindowedConfig};
 use magcomp_recordings::error::RecordingError;
 use magcomp_recordings::import::{ImportOptions, Opened, open};
 use magcomp_recordings::place::{Day, GeoPoint, earth_field_near};
-use magcomp_recordings::recording::{Row, files_of, name_of};
+use magcomp_recordings::recording::{Row, files_of, name_of, unzipped};
 use serde::Serialize;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
+/// What a recording begins with.
+const START: &[u8; 4] = b"t_s,";
 /// Rows that are played without reading and writing in between, which would make `push` look slower than it is.
 const CHUNK: usize = 4096;
 
@@ -162,6 +166,10 @@ impl Replay {
             Ok(played) => self.finish(played),
             Err(LabError::Recording(RecordingError::Several { sessions, why })) => {
                 self.replay_each(&import, sessions, why)
+            }
+            // a stray file among recordings: the table names it
+            Err(LabError::Recording(why)) if self.inputs.iter().any(|input| holds_recordings(input)) => {
+                self.replay_each(&import, 0, why.to_string())
             }
             Err(why) => Err(why),
         }
@@ -387,6 +395,17 @@ impl<'a> TableLine<'a> {
         let error = played.as_ref().err().map(String::as_str);
         Self { recording: name, verdict: line.map(|line| &line.1), judgement: line.map(|line| &line.0), error }
     }
+}
+
+/// Whether a folder holds two recordings or more.
+fn holds_recordings(folder: &Path) -> bool {
+    let is_recording = |path: &PathBuf| {
+        let mut start = [0; START.len()];
+        let text = File::open(path).and_then(unzipped);
+        text.is_ok_and(|mut text| text.read_exact(&mut start).is_ok()) && start == *START
+    };
+    folder.is_dir()
+        && recordings_of(folder).is_ok_and(|paths| paths.iter().filter(|path| is_recording(path)).count() > 1)
 }
 
 /// The files of a folder that may be recordings: tables, zips and bags.
