@@ -8,7 +8,7 @@ use crate::experiment::step::{NormalisationChoice, ResidualChoice};
 use crate::parameters::as_typed;
 use crate::progress;
 use crate::replay::{
-    Bearing, Gathering, Grade, Ignore, Judgement, Known, Mark, Outcome, Played, Player, Verdict, read_waypoints,
+    Bearing, Gathering, Ignore, Judgement, Known, Mark, Outcome, Played, Player, Verdict, read_waypoints,
     session_table, usual_part, verdicts_table, write_calibration, write_explain_header, write_explanation,
     write_header, write_row,
 };
@@ -181,7 +181,7 @@ impl Replay {
         let told = Told { verdict: &verdict, judgement: &outcome.judgement.clone() };
         let name = self.inputs.first().map_or_else(String::new, |path| name_of(path));
         self.common.finish_beside(self.output.as_deref(), &tables, &told, || outcome.report())?;
-        if verdict.grade == Grade::Bad {
+        if verdict.is_wrong {
             return Err(LabError::Bad(format!("{name} is bad: {}", verdict.reason())));
         }
         Ok(())
@@ -238,10 +238,7 @@ impl Replay {
             report.table(&table);
             Ok(report)
         })?;
-        let bad = lines
-            .iter()
-            .filter(|(_, played)| matches!(played, Ok((_, verdict)) if verdict.grade == Grade::Bad))
-            .count();
+        let bad = lines.iter().filter(|(_, played)| matches!(played, Ok((_, verdict)) if verdict.is_wrong)).count();
         let unread = lines.iter().filter(|(_, played)| played.is_err()).count();
         if unread == lines.len() {
             return Err(LabError::Usage(format!("none of the {unread} recordings could be read")));

@@ -112,7 +112,7 @@ impl Judge {
             self.samples_at_rail += 1;
         }
         self.level.add(row);
-        self.known.see(row, &self.level);
+        self.known.see(row, &self.level, reading.status);
         let counted = after_s > self.part.start && after_s <= self.part.end;
         if counted {
             self.known.add(reading);

@@ -66,8 +66,9 @@ impl Known {
         Self { axis, ..Self::default() }
     }
 
-    /// Any row, after its sensors were added to `level`.
-    pub fn see(&mut self, row: &Row, level: &Level) {
+    /// Any row, after its sensors were added to `level`, and what was said to it.
+    pub fn see(&mut self, row: &Row, level: &Level, status: Status) {
+        self.last = Some(status);
         self.has_up |= row.latest_up().is_some();
         if let Some(up) = level.up() {
             let axis = match self.axis {
@@ -94,7 +95,6 @@ impl Known {
     /// The reading of a row that counts.
     pub fn add(&mut self, reading: &Reading) {
         self.rows += 1;
-        self.last = Some(reading.status);
         if let Some(sigma_deg) = reading.heading.and_then(|heading| heading.heading_sigma_deg) {
             self.sigmas.add(sigma_deg);
             if 2.0 * sigma_deg <= USELESS_DEG {
@@ -122,6 +122,7 @@ impl Known {
         let steep = self.steep as f64 / self.level.max(1) as f64;
         let name = if self.axis == ReferenceAxis::Camera { "the camera" } else { "the top edge" };
         match self.last {
+            Some(last) if !is_corrected => format!("after {duration_s:.0} s it says: {last}"),
             _ if !self.has_up => {
                 "the recording has no acceleration with gravity: record the accelerometer too".to_owned()
             }
@@ -130,7 +131,6 @@ impl Known {
                 100.0 * steep,
                 if self.axis == ReferenceAxis::Camera { "top or --axis auto" } else { "camera or --axis auto" }
             ),
-            Some(last) if !is_corrected => format!("after {duration_s:.0} s it says: {last}"),
             _ if self.sigmas.count() > 0 => {
                 format!("its two sigmas stay above {USELESS_DEG:.0} deg: the field tells too little of north")
             }

@@ -111,7 +111,7 @@ impl Outcome {
         let mut report = Report::new(&format!("{} replayed", self.recording), rule);
         let list =
             |first: String, more: &[String]| std::iter::once(first).chain(more.iter().cloned()).collect::<Vec<_>>();
-        let heading = list(format!("Heading: {}", verdict.heading), &[&verdict.why[..], &verdict.notes].concat());
+        let heading = list(format!("Heading: {}", verdict.heading), &[&verdict.why[..], &verdict.notes[..]].concat());
         report.card(verdict.grade.word(), &heading, &verdict.next);
         let place = list(format!("Place: {}", verdict.place_words()), &verdict.place_why);
         report.card(verdict.place_grade().word(), &place, &[]);

@@ -62,8 +62,10 @@ pub enum Place {
 /// The verdict: of the heading, which is what people come for, and of the place.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verdict {
-    /// How good the heading is.
+    /// How good the heading is; bad where there is none.
     pub grade: Grade,
+    /// A convention of the recording is wrong, or the heading is against its reference.
+    pub is_wrong: bool,
     /// The heading in one sentence.
     pub heading: String,
     /// What speaks against it, the worst first.
@@ -265,8 +267,9 @@ impl Found {
         if place > Place::Even && place != Place::Unknown && !self.next.iter().any(|known| known == AGAIN) {
             self.next.push(AGAIN.to_owned());
         }
+        let is_wrong = self.against.first().is_some_and(|(grade, _)| *grade == Grade::Bad);
         let why = self.against.into_iter().map(|(_, text)| text).collect();
-        Verdict { grade: self.grade, heading, why, place, place_why, next: self.next, notes: self.notes }
+        Verdict { grade: self.grade, is_wrong, heading, why, place, place_why, next: self.next, notes: self.notes }
     }
 }
 

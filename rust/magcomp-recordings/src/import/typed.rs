@@ -116,18 +116,17 @@ pub(super) fn read(documents: &[Document], units: &Units) -> Result<Session, Rec
     Ok(all.settle())
 }
 
-/// The unit of the times, by the steps from one sample of the field to the next of its kind.
+/// The unit of the times, by the steps from one sample of the field to the next of the same kind.
 fn time_unit(sheet: &Sheet<'_>, form: Form) -> Option<i64> {
-    let (mut times, mut first) = (Vec::new(), None);
+    let mut times = [Vec::new(), Vec::new()];
     let _ = sheet.lines(|cells| {
-        if let Some(found) = form.sensor(cells).filter(|(kind, _)| *kind == Kind::Field)
-            && *first.get_or_insert(found) == found
-        {
-            times.push(cells.number(form.time)?);
+        if let Some((Kind::Field, is_uncalibrated)) = form.sensor(cells) {
+            times[usize::from(is_uncalibrated)].push(cells.number(form.time)?);
         }
-        if times.len() < TIMED { Ok(()) } else { Err(cells.wrong(0, "enough")) }
+        if times.iter().all(|times| times.len() < TIMED) { Ok(()) } else { Err(cells.wrong(0, "enough")) }
     });
-    unit_of_steps(&times)
+    let [calibrated, uncalibrated] = times;
+    unit_of_steps(if uncalibrated.len() > calibrated.len() { &uncalibrated } else { &calibrated })
 }
 
 /// The sensors of a log that may hold each both uncalibrated and as the system calibrates it.
