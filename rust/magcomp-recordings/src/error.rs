@@ -96,8 +96,7 @@ impl RecordingError {
     pub fn read(path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_owned();
         move |source| {
-            // as flate2 calls it
-            let is_cut = source.to_string() == "incomplete deflate stream";
+            let is_cut = source.kind() == io::ErrorKind::UnexpectedEof;
             let source = if is_cut { io::Error::new(source.kind(), "the file is cut off") } else { source };
             Self::Read { path, source }
         }

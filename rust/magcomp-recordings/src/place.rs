@@ -106,9 +106,45 @@ pub fn earth_field(place: GeoPoint, day: Day) -> Result<EarthField, RecordingErr
     .map_err(|error| RecordingError::Declination(format!("{error} ({day}; --date names another day)")))
 }
 
+/// The years that the model holds, as dates.
+const MODEL: [&str; 2] = ["2020-01-01", "2029-12-31"];
+
+/// As [`earth_field`]; for a day outside of the model's years with total field and dip of the nearest one, which change by 0.3 uT and 0.2 degrees
+/// a year at most, and without the declination (not a number). The sentence says so.
+///
+/// # Errors
+/// [`RecordingError::Declination`] where the model holds no value for other reasons: heights far off.
+pub fn earth_field_near(place: GeoPoint, day: Day) -> Result<(EarthField, Option<String>), RecordingError> {
+    let [first, last] = MODEL.map(|day| day.parse::<Day>().expect("the model's own dates"));
+    let nearest = Day(day.0.clamp(first.0, last.0));
+    let field = earth_field(place, nearest)?;
+    if nearest == day {
+        return Ok((field, None));
+    }
+    let told = format!(
+        "the world magnetic model holds {} to {}, and the recording is of {day}: total field and dip are those of {nearest}; there is no declination, \
+         and no true heading",
+        first.0.year(),
+        last.0.year()
+    );
+    Ok((EarthField { declination_deg: f64::NAN, ..field }, Some(told)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_day_outside_of_the_model_has_the_nearest_years_field() {
+        let place: GeoPoint = "45.19,5.73,200".parse().unwrap();
+        let of = |day: &str| earth_field_near(place, day.parse().unwrap()).unwrap();
+        let nearest = of("2020-01-01");
+        assert!(nearest.1.is_none() && nearest.0.declination_deg.is_finite());
+        let (before, told) = of("2019-11-24");
+        assert_eq!((before.total_field_ut, before.dip_deg), (nearest.0.total_field_ut, nearest.0.dip_deg));
+        assert!(before.declination_deg.is_nan() && told.unwrap().contains("those of 2020-01-01"));
+        assert!(of("2035-01-01").1.unwrap().contains("those of 2029-12-31") && of("2026-01-01").1.is_none());
+    }
 
     #[test]
     fn agrees_with_noaa() {

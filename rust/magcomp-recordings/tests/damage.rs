@@ -100,6 +100,17 @@ fn damaged_packed_files_end_in_an_error_or_other_numbers() {
 fn damaged_texts_end_in_an_error_or_other_numbers() {
     let gnss =
         (0..5).map(|k| format!("UncalMag,16631646691{k}1,659720{k}5195160,221.5,89.5,-21.25,213.5,180.25,5.5\n"));
+    let typed = (0..20).map(|k| {
+        let time_ms = 1_574_572_522_000_i64 + 10 * k;
+        format!("{time_ms}\tTYPE_MAGNETIC_FIELD_UNCALIBRATED\t{}\t30\t-40\t1\t2\t3\n{time_ms}\tTYPE_ACCELEROMETER\t0\t0\t9.8\n", 20 + k % 7)
+    });
+    let rows = |names: &str| {
+        (0..20).fold(format!("{names}\n"), |text, k| {
+            text + &format!("{},20,{},-40,0.1,0.2,1\n", f64::from(k) / 50.0, 30 + k % 7)
+        })
+    };
+    let phyphox = rows("Time (s),Field x (µT),Field y (µT),Field z (µT),a,b,c");
+    let words = rows("time (s),mag x (uT),mag y (uT),mag z (uT),acc x [g],acc y [g],acc z [g]") + "<2>\n1 2\n";
     damage(&[
         ("Magnetometer.csv", field(20).into_bytes()),
         (
@@ -107,6 +118,9 @@ fn damaged_texts_end_in_an_error_or_other_numbers() {
             b"Timestamp,X,Y,Z\n22-Nov-2026 10:11:12.340,20,30,-40\n22-Nov-2026 10:11:12.350,20,30,-41\n".to_vec(),
         ),
         ("gnss.txt", gnss.collect::<String>().into_bytes()),
+        ("typed.txt", typed.collect::<String>().into_bytes()),
+        ("phyphox.csv", phyphox.into_bytes()),
+        ("words.csv", words.into_bytes()),
     ]);
 }
 

@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 
 /// Make a phone logger's session into a recording; `replay` takes the same inputs.
 ///
-/// IN is a zip, a folder, or CSV files of Sensor Logger, phyphox, GnssLogger (and loggers of its form) or MATLAB Mobile, or plain CSV
-/// whose columns --columns names; with the feature formats (cargo install --path rust/magcomp-lab --features formats) also a bag of
+/// IN is a zip, a folder, or CSV files of Sensor Logger, phyphox, GnssLogger (and loggers of its form), GetSensorData, MATLAB Mobile, AndroSensor or
+/// SensorLog, lines that begin with a time and the name of their sensor, or plain CSV whose columns are named in words or by --columns; with the feature formats (cargo install --path rust/magcomp-lab --features formats) also a bag of
 /// ROS 2 (mcap), Parquet or Arrow (a file, Feather 2, or a stream). Each sensor keeps its own times and rate: a row leaves the cells of
 /// the others empty. The field that the operating system calibrated is kept as sys_mx,sys_my,sys_mz.
 #[derive(Debug, Args)]
@@ -55,13 +55,14 @@ pub(super) struct ImportArguments {
     /// Plain CSV, Parquet, Arrow: names of the columns, of t, mx,my,mz (field), ax,ay,az, gx,gy,gz, sx,sy,sz (the system's field), qw,qx,qy,qz
     ///
     /// `#4` is the fourth column, for a file without header; `t=secs+1e-9*nsecs` a time in two columns. A time may also be a date, such as
-    /// 2026-11-22T10:11:12.345Z.
+    /// 2026-11-22T10:11:12.345Z. Names behind `FILE:` are of that file, until another one is named: t=time,mx=x,my=y,mz=z,turn.csv:gx=x,gy=y,gz=z. Units
+    /// in the names, or in a row below them, are read.
     #[arg(long, value_name = "t=NAME,mx=NAME,...")]
     columns: Option<ColumnNames>,
     /// Plain CSV, Parquet, Arrow, ROS: units of time (s, ms, us, ns), m field (uT, nT, mT, T, G, mG), g gyroscope (rad/s, deg/s), a accelerometer (m/s2, g; with a minus for Apple's sign); or numbers: how many s, uT, rad/s, m/s2 a unit is
     #[arg(long, value_name = "t=ns,m=uT,...", allow_hyphen_values = true)]
     units: Option<Units>,
-    /// Which of the file's axes point right, up along the screen, and out of it; of one sensor alone by m=, a= or g= (m=-x,y,z;g=y,-x,z)
+    /// Which of the file's axes point right, up along the screen, and out of it; of one sensor alone by m=, a= or g= (m=-x,y,z;g=y,-x,z); degrees behind them where it is askew (m=x,y,z,-12)
     #[arg(long, value_name = "x,y,z", allow_hyphen_values = true)]
     frame: Option<Frames>,
     /// Seconds that are added to the times of a sensor (m field, a accelerometer, g gyroscope), where its clock is another or its times are late

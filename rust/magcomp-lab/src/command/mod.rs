@@ -24,7 +24,7 @@ use std::io::{self, Write};
     version,
     after_help = "Exit codes: 0 all went well; 1 the input or the run failed (one line on standard error says where and \
                   why; no output file is left half written); 2 wrong usage, or several recordings where one is wanted; \
-                  3 the recording is bad, and the first line of the summary says why."
+                  3 something is wrong with the recording (units, axes, signs, or against its reference), and the first line of the\n                  summary says what."
 )]
 pub struct Cli {
     #[command(subcommand)]

@@ -8,7 +8,7 @@ use crate::experiment::step::{NormalisationChoice, ResidualChoice};
 use crate::parameters::as_typed;
 use crate::progress;
 use crate::replay::{
-    Bearing, Gathering, Grade, Ignore, Judgement, Known, Mark, Outcome, Played, Player, Verdict, read_waypoints,
+    Bearing, Gathering, Ignore, Judgement, Known, Mark, Outcome, Played, Player, Verdict, read_waypoints,
     session_table, usual_part, verdicts_table, write_calibration, write_explain_header, write_explanation,
     write_header, write_row,
 };
@@ -18,11 +18,15 @@ use magcomp::nalgebra::Vector3;
 use magcomp::{Config, HeadedAxis, HeadingConfig, ReferenceAxis, WindowedConfig};
 use magcomp_recordings::error::RecordingError;
 use magcomp_recordings::import::{ImportOptions, Opened, open};
-use magcomp_recordings::place::{Day, GeoPoint, earth_field};
-use magcomp_recordings::recording::{Row, files_of, name_of};
+use magcomp_recordings::place::{Day, GeoPoint, earth_field_near};
+use magcomp_recordings::recording::{Row, files_of, name_of, unzipped};
 use serde::Serialize;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
+/// What a recording begins with.
+const START: &[u8; 4] = b"t_s,";
 /// Rows that are played without reading and writing in between, which would make `push` look slower than it is.
 const CHUNK: usize = 4096;
 
@@ -163,6 +167,10 @@ impl Replay {
             Err(LabError::Recording(RecordingError::Several { sessions, why })) => {
                 self.replay_each(&import, sessions, why)
             }
+            // a stray file among recordings: the table names it
+            Err(LabError::Recording(why)) if self.inputs.iter().any(|input| holds_recordings(input)) => {
+                self.replay_each(&import, 0, why.to_string())
+            }
             Err(why) => Err(why),
         }
     }
@@ -173,7 +181,7 @@ impl Replay {
         let told = Told { verdict: &verdict, judgement: &outcome.judgement.clone() };
         let name = self.inputs.first().map_or_else(String::new, |path| name_of(path));
         self.common.finish_beside(self.output.as_deref(), &tables, &told, || outcome.report())?;
-        if verdict.grade == Grade::Bad {
+        if verdict.is_wrong {
             return Err(LabError::Bad(format!("{name} is bad: {}", verdict.reason())));
         }
         Ok(())
@@ -230,10 +238,7 @@ impl Replay {
             report.table(&table);
             Ok(report)
         })?;
-        let bad = lines
-            .iter()
-            .filter(|(_, played)| matches!(played, Ok((_, verdict)) if verdict.grade == Grade::Bad))
-            .count();
+        let bad = lines.iter().filter(|(_, played)| matches!(played, Ok((_, verdict)) if verdict.is_wrong)).count();
         let unread = lines.iter().filter(|(_, played)| played.is_err()).count();
         if unread == lines.len() {
             return Err(LabError::Usage(format!("none of the {unread} recordings could be read")));
@@ -257,16 +262,24 @@ impl Replay {
         warn_of(&conventions);
         // a log's own position needs no option; it may be older than the model
         let own = position.filter(|_| self.place.is_none() && self.declination.is_none());
-        let own = own.zip(self.date.or(day)).and_then(|(place, day)| earth_field(place, day).ok());
+        let mut notes = Vec::new();
+        let mut at = |place, day| {
+            let (field, told) = earth_field_near(place, day)?;
+            warn(told.as_slice());
+            notes.extend(told);
+            Ok::<_, RecordingError>(field)
+        };
         let earth = match (self.place, self.date.or(day)) {
-            (Some(place), Some(day)) => Some(earth_field(place, day)?),
+            (Some(place), Some(day)) => Some(at(place, day)?),
             (Some(_), None) => {
                 let why = "its times do not say the date that --place needs; add --date YYYY-MM-DD";
                 return Err(LabError::Usage(format!("{}: {why}", source.path().display())));
             }
-            (None, _) => own,
+            // a height that the model does not hold ends no replay that asked for no place
+            (None, day) => own.zip(day).and_then(|(place, day)| at(place, day).ok()),
         };
-        let declination_deg = self.declination.or(earth.map(|earth| earth.declination_deg));
+        let modelled = earth.map(|earth| earth.declination_deg).filter(|deg| deg.is_finite());
+        let declination_deg = self.declination.or(modelled);
         let axis = match self.axis {
             AxisChoice::Top => ReferenceAxis::TopEdge,
             AxisChoice::Camera => ReferenceAxis::Camera,
@@ -347,7 +360,8 @@ impl Replay {
             write_calibration(path, players[0].compensator(), &name_of(source.path()), extent.end_s)?;
         }
 
-        let known = Known { session: session.as_ref().map(session_table), conventions, warnings };
+        let courses = players[0].courses().clone();
+        let known = Known { session: session.as_ref().map(session_table), conventions, warnings, notes, courses };
         Ok(gathering.finish(&name_of(source.path()), &as_typed(&self.method), earth, &known))
     }
 }
@@ -378,6 +392,17 @@ impl<'a> TableLine<'a> {
         let error = played.as_ref().err().map(String::as_str);
         Self { recording: name, verdict: line.map(|line| &line.1), judgement: line.map(|line| &line.0), error }
     }
+}
+
+/// Whether a folder holds two recordings or more.
+fn holds_recordings(folder: &Path) -> bool {
+    let is_recording = |path: &PathBuf| {
+        let mut start = [0; START.len()];
+        let text = File::open(path).and_then(unzipped);
+        text.is_ok_and(|mut text| text.read_exact(&mut start).is_ok()) && start == *START
+    };
+    folder.is_dir()
+        && recordings_of(folder).is_ok_and(|paths| paths.iter().filter(|path| is_recording(path)).count() > 1)
 }
 
 /// The files of a folder that may be recordings: tables, zips and bags.

@@ -19,6 +19,7 @@ use super::changes::{Changes, Declared};
 use super::circle::{Circle, off_deg};
 use super::directions::{Directions, Kinds};
 use super::judgement::{Disturbance, Judgement};
+use super::known::Known;
 use super::level::Level;
 use super::player::Step;
 use super::turns::Turns;
@@ -52,6 +53,7 @@ pub struct Judge {
     ours: Directions,
     carried: Directions,
     published: Circle,
+    known: Known,
     absolute: Absolute,
     raw: Directions,
     system: Directions,
@@ -81,6 +83,7 @@ impl Judge {
             extent: *extent,
             part,
             absolute: Absolute::new(axis),
+            known: Known::new(axis),
             push_ns: Sizes::new(1.0),
             ..Self::default()
         }
@@ -109,7 +112,11 @@ impl Judge {
             self.samples_at_rail += 1;
         }
         self.level.add(row);
+        self.known.see(row, &self.level, reading.status);
         let counted = after_s > self.part.start && after_s <= self.part.end;
+        if counted {
+            self.known.add(reading);
+        }
         if let Some(c) = reading.field_ut.filter(|_| counted) {
             self.total_field.add(c.norm());
             if matches!(reading.status, Status::Disturbed { .. }) {
@@ -193,6 +200,8 @@ impl Judge {
             heading: heading(&self.ours),
             carried_heading: heading(&self.carried),
             published_heading: self.published.heading_error(0.0),
+            courses_used: 0,
+            known: self.known.finish(self.extent.duration_s(), self.answered > 0),
             absolute_heading: self.absolute.finish(),
             raw_heading: heading(&self.raw),
             system_heading: heading(&self.system),

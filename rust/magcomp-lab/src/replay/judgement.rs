@@ -4,6 +4,7 @@ use super::absolute::AbsoluteHeading;
 use super::changes::{Declared, DeviceChange, PlaceDiffered};
 use super::circle::HeadingError;
 use super::directions::Kinds;
+use super::known::KnownHeading;
 use super::legs::LegJudgement;
 use super::told::{BearingTold, MarkTold};
 use super::turns::TurnJudgement;
@@ -51,6 +52,10 @@ pub struct Judgement {
     pub carried_heading: Option<HeadingError>,
     /// That of the published heading, by its own `up`; rows whose axis is within 60 degrees of the horizontal.
     pub published_heading: Option<HeadingError>,
+    /// How well it is known by its own sigma.
+    pub known: KnownHeading,
+    /// Headings from outside that were used.
+    pub courses_used: usize,
     /// The published heading against the reference's own north, on the same rows.
     pub absolute_heading: AbsoluteHeading,
     /// Heading error of the raw field.

@@ -4,14 +4,14 @@ use super::figures::Figures;
 use super::judge::Judge;
 use super::judgement::Judgement;
 use super::legs::{Legs, Waypoint};
-use super::player::Step;
+use super::player::{Courses, Step};
 use super::told::{Bearing, Bearings, Mark};
 use super::verdict::Verdict;
 use super::view::table;
 use crate::error::LabError;
 use crate::report::Report;
 use crate::table::{Table, number};
-use magcomp::{Explanation, ReferenceAxis, Status};
+use magcomp::{Explanation, ReferenceAxis};
 use magcomp_recordings::conventions::Conventions;
 use magcomp_recordings::import::Summary;
 use magcomp_recordings::place::EarthField;
@@ -25,7 +25,6 @@ pub struct Gathering {
     marks: Vec<Mark>,
     bearings: Bearings,
     figures: Option<Figures>,
-    last: Option<Status>,
 }
 
 impl Gathering {
@@ -34,7 +33,7 @@ impl Gathering {
         let judge = Judge::new(extent, part, axis);
         let figures = is_drawn.then(|| Figures::new(extent));
         let bearings = Bearings::new(&[], extent.start_s);
-        Self { judge, legs: Legs::new(waypoints), marks: Vec::new(), bearings, figures, last: None }
+        Self { judge, legs: Legs::new(waypoints), marks: Vec::new(), bearings, figures }
     }
 
     /// The same with what a tester noted.
@@ -49,7 +48,6 @@ impl Gathering {
         self.legs.add(row, step);
         self.bearings.add(row, step);
         self.figures.iter_mut().for_each(|figures| figures.add(row, step, explanation));
-        self.last = Some(step.reading.status);
     }
 
     /// After the last row, under the recording's and the method's names. `known` is what was found when
@@ -57,14 +55,19 @@ impl Gathering {
     pub fn finish(self, recording: &str, method: &str, earth: Option<EarthField>, known: &Known) -> Outcome {
         let judged = self.judge.finish();
         let marks = self.marks.iter().map(|mark| mark.told(&judged.events)).collect();
-        let judgement =
-            Judgement { legs: self.legs.finish(), marks, bearings: self.bearings.finish(), earth, ..judged };
-        let verdict = Verdict::of(&judgement, &known.conventions, &known.warnings);
+        let judgement = Judgement {
+            legs: self.legs.finish(),
+            marks,
+            bearings: self.bearings.finish(),
+            earth,
+            courses_used: known.courses.used,
+            ..judged
+        };
+        let mut verdict = Verdict::of(&judgement, &known.conventions, &known.warnings);
+        verdict.notes.extend(known.notes.iter().cloned());
+        verdict.notes.extend(known.courses.told());
         let mut summary = table(recording, method, &judgement);
         summary.lead.splice(0..0, verdict.lines());
-        if let Some(last) = self.last.filter(|_| judgement.answered == 0.0) {
-            summary.note(&format!("No row was answered. The last one says: {last}."));
-        }
         // the summary first: it says what all of it comes to
         let tables = std::iter::once(summary).chain(known.session.clone()).collect();
         Outcome { judgement, verdict, tables, recording: recording.to_owned(), figures: self.figures }
@@ -80,6 +83,10 @@ pub struct Known {
     pub conventions: Conventions,
     /// Parts that were lost or left out.
     pub warnings: Vec<String>,
+    /// What is worth knowing and no doubt.
+    pub notes: Vec<String>,
+    /// What became of the headings from outside.
+    pub courses: Courses,
 }
 
 /// What a replay came to.
@@ -99,10 +106,22 @@ impl Outcome {
     pub fn report(self) -> Result<Report, LabError> {
         let rule =
             "Every sample went through the compensator in order; nothing later than a sample went into its answer.";
-        let lines = self.verdict.lines().len();
+        let verdict = &self.verdict;
+        let lines = verdict.lines().len();
         let mut report = Report::new(&format!("{} replayed", self.recording), rule);
-        let said: Vec<String> = self.verdict.why.iter().chain(&self.tables[0].lead[lines..]).cloned().collect();
-        report.card(self.verdict.grade.word(), &said, &self.verdict.next);
+        let list =
+            |first: String, more: &[String]| std::iter::once(first).chain(more.iter().cloned()).collect::<Vec<_>>();
+        let heading = list(format!("Heading: {}", verdict.heading), &[&verdict.why[..], &verdict.notes[..]].concat());
+        report.card(verdict.grade.word(), &heading, &verdict.next);
+        let place = list(format!("Place: {}", verdict.place_words()), &verdict.place_why);
+        report.card(verdict.place_grade().word(), &place, &[]);
+        let rest = &self.tables[0].lead[lines..];
+        if !rest.is_empty() {
+            report.folded("In figures", |report| {
+                rest.iter().for_each(|sentence| report.text(sentence));
+                Ok::<(), LabError>(())
+            })?;
+        }
         self.figures.map_or(Ok(()), |figures| figures.finish(&mut report, "replay", &self.recording))?;
         // the card has the lead
         report.table(&Table { lead: Vec::new(), ..self.tables[0].clone() });

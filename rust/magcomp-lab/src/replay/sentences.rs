@@ -41,20 +41,20 @@ pub(super) fn sentences(judgement: &Judgement) -> Vec<String> {
 
 fn reference_sentence(judgement: &Judgement) -> Option<String> {
     let (what, error) = match judgement.published_heading {
-        Some(published) => ("Heading", published),
-        None => ("Heading of the corrected sample", judgement.heading?),
+        Some(published) => ("the heading", published),
+        None => ("the heading of the corrected sample", judgement.heading?),
     };
     let rms = |error: HeadingError| short(error.rms_deg);
     let others = others(judgement.raw_heading.map(rms), judgement.system_heading.map(rms));
     let others = others.map_or_else(String::new, |others| format!("; {others}"));
     let (rms_deg, constant) = (short(error.rms_deg), signed(error.constant_deg));
-    Some(format!("{what}: {rms_deg} deg rms of the reference{others}; constant angle {constant} deg taken out."))
+    Some(format!("Reference: {what} is {rms_deg} deg rms off{others}; constant angle {constant} deg taken out."))
 }
 
 fn legs_sentence(judgement: &Judgement) -> Option<String> {
     let legs = judgement.legs?;
     let (ours, raw) = (short(legs.deviation_deg), short(legs.raw_deviation_deg));
-    Some(format!("Heading: {ours} deg over the {} legs of the way, up to one constant; raw {raw}.", legs.legs))
+    Some(format!("Way: the heading is {ours} deg off over its {} legs, up to one constant; raw {raw}.", legs.legs))
 }
 
 fn field_sentence(judgement: &Judgement) -> Option<String> {
@@ -213,7 +213,7 @@ mod tests {
             assert!((error.constant_deg - 17.0).abs() < 0.01 && error.rms_deg < 0.01, "{error:?}");
         }
         let lead = table("r.csv", "auto", &judgement).lead;
-        assert!(lead[0].starts_with("Heading: 0.0 deg rms of the reference; raw "), "{lead:?}");
+        assert!(lead[0].starts_with("Reference: the heading is 0.0 deg rms off; raw "), "{lead:?}");
         assert!(lead[0].ends_with("constant angle +17.0 deg taken out."), "{lead:?}");
     }
 

@@ -1,4 +1,4 @@
-//! The verdict on a recording: good, doubtful or bad, why, and what to do next.
+//! The verdict on a recording: how well its heading is known, what the place was like, why, and what to do next.
 
 use super::judgement::Judgement;
 use super::sentences::{EARTH_UT, short};
@@ -17,10 +17,10 @@ const HEADING_DEG: [f64; 2] = [8.0, 20.0];
 /// Off the model of the place: dip, degrees; total field, a share of it.
 const OFF_DIP_DEG: [f64; 2] = [6.0, 15.0];
 const OFF_FIELD: [f64; 2] = [0.10, 0.25];
-/// Total fields that iron near by makes of the Earth's, uT.
-const NEAR_IRON_UT: (f64, f64) = (15.0, 90.0);
-/// Share of the rows that must be answered.
+/// Share of the time in which there must be a heading.
 const ANSWERED: f64 = 0.5;
+/// Two sigmas from which on a heading is doubtful, degrees.
+const WIDE_DEG: f64 = 20.0;
 
 /// How good a recording is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -45,138 +45,231 @@ impl Grade {
     }
 }
 
-/// The verdict.
+/// What the place's field was like.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Place {
+    /// Much the same everywhere.
+    Even,
+    /// As among furniture and walls.
+    Uneven,
+    /// As beside magnets, cars and shelves of steel.
+    Magnetic,
+    /// Nothing was corrected, so nothing is known.
+    Unknown,
+}
+
+/// The verdict: of the heading, which is what people come for, and of the place.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Verdict {
-    /// How good.
+    /// How good the heading is; bad where there is none.
     pub grade: Grade,
-    /// Why, the worst first.
+    /// A convention of the recording is wrong, or the heading is against its reference.
+    pub is_wrong: bool,
+    /// The heading in one sentence.
+    pub heading: String,
+    /// What speaks against it, the worst first.
     pub why: Vec<String>,
+    /// What the place was like.
+    pub place: Place,
+    /// Why, the worst first.
+    pub place_why: Vec<String>,
     /// What to do next.
     pub next: Vec<String>,
+    /// What else is worth knowing.
+    pub notes: Vec<String>,
 }
+
+const TURN: &str = "hold the device clear of iron and turn it once about each of its axes";
+const AGAIN: &str = "record again away from steel, cars and magnets";
 
 impl Verdict {
     /// Of a replay, the recording's conventions, and the warnings about what was lost or left out.
     pub fn of(judgement: &Judgement, conventions: &Conventions, warnings: &[String]) -> Self {
-        let mut found = Found::default();
         let mut conventions = conventions.clone();
         if let Some(earth) = judgement.earth {
             conventions.judge_sign(earth.dip_deg);
         }
+        let mut heading = Found::default();
         for finding in &conventions.findings {
-            let grade = match finding.weight {
-                Weight::Fault => Grade::Bad,
-                Weight::Doubt => Grade::Doubtful,
-                Weight::Note => Grade::Good,
-            };
-            found.add(grade, finding.text.clone(), "");
-        }
-        warnings.iter().for_each(|warning| found.add(Grade::Doubtful, warning.clone(), ""));
-        // a heading that a reference proves is of use, however the field swings
-        found.is_proven =
-            judgement.published_heading.or(judgement.heading).is_some_and(|error| error.rms_deg <= HEADING_DEG[1]);
-        let again = "record again away from steel, cars and magnets, and turn the device once about each of its axes at the beginning";
-        add_answers(&mut found, judgement);
-        if let Some(error) = judgement.published_heading.or(judgement.heading) {
-            let text = format!("the heading is {} deg rms off the reference", short(error.rms_deg));
-            found.limit(error.rms_deg, HEADING_DEG, text, again);
-        }
-        if let Some(field) = judgement.total_field_ut.compensated {
-            add_field(&mut found, judgement, field, again);
-        }
-        if let Some(dip) = judgement.dip_deg.compensated {
-            let text = format!("the dip spreads by {} deg", short(dip.spread));
-            found.limit(dip.spread, DIP_SPREAD_DEG, text, again);
-            if let Some(earth) = judgement.earth {
-                let text = format!("the dip is {:.0} deg, and the place has {:.0}", dip.mean, earth.dip_deg);
-                found.limit((dip.mean - earth.dip_deg).abs(), OFF_DIP_DEG, text, again);
+            match finding.weight {
+                Weight::Fault => heading.add(Grade::Bad, finding.text.clone(), ""),
+                // the estimator copes with both kinds, or its sigma grows
+                Weight::Doubt if finding.kind != "two_kinds" => {
+                    heading.add(Grade::Doubtful, finding.text.clone(), "");
+                }
+                _ => heading.notes.push(finding.text.clone()),
             }
         }
-        if let Some(swing) = judgement.full_turns.and_then(|full| full.rms_deg.compensated) {
-            let text = format!("north swings by {} deg within a full turn", short(swing));
-            found.limit(swing, SWING_DEG, text, again);
-        }
-        found.finish()
+        warnings.iter().for_each(|warning| heading.add(Grade::Doubtful, warning.clone(), ""));
+        add_heading(&mut heading, judgement);
+        let (place, place_why) = place_of(judgement, &mut heading.notes);
+        let told = told_heading(judgement);
+        heading.finish(told, place, place_why)
     }
 
     /// As the lines that a summary begins with.
     pub fn lines(&self) -> Vec<String> {
-        let why = if self.why.is_empty() { String::new() } else { format!(": {}", self.why.join("; ")) };
-        let verdict = format!("Verdict: {}{why}.", self.grade.word());
+        let because = |why: &[String]| if why.is_empty() { String::new() } else { format!(": {}", why.join("; ")) };
+        let heading = match self.grade {
+            Grade::Good => format!("Heading: {}.", self.heading),
+            Grade::Doubtful => format!("Heading: doubtful, {}{}.", self.heading, because(&self.why)),
+            Grade::Bad => format!("Heading: bad, {}{}.", self.heading, because(&self.why)),
+        };
+        let place = format!("Place: {}{}.", self.place_words(), because(&self.place_why));
         let next = (!self.next.is_empty()).then(|| format!("Next: {}.", self.next.join("; ")));
-        std::iter::once(verdict).chain(next).collect()
+        let notes = self.notes.iter().map(|note| format!("Note: {note}."));
+        [heading, place].into_iter().chain(next).chain(notes).collect()
+    }
+
+    /// The place in words.
+    pub fn place_words(&self) -> &'static str {
+        match self.place {
+            Place::Even => "even",
+            Place::Uneven => "uneven",
+            Place::Magnetic => "magnets or steel are near",
+            Place::Unknown => "could not be told, because no field was corrected",
+        }
+    }
+
+    /// The colour that the place's card has.
+    pub(super) fn place_grade(&self) -> Grade {
+        match self.place {
+            Place::Even => Grade::Good,
+            Place::Uneven | Place::Unknown => Grade::Doubtful,
+            Place::Magnetic => Grade::Bad,
+        }
     }
 
     /// As the first words of an error.
     pub fn reason(&self) -> String {
-        self.why.first().cloned().unwrap_or_default()
+        self.why.first().cloned().unwrap_or_else(|| self.heading.clone())
     }
 }
 
-fn add_answers(found: &mut Found, judgement: &Judgement) {
-    let turn = "hold the device clear of iron and turn it once about each of its axes";
-    if judgement.answered == 0.0 {
-        found.add(Grade::Doubtful, "no row was answered".to_owned(), turn);
-    } else if judgement.answered < ANSWERED {
-        let text = format!("only {:.0} % of the rows were answered", 100.0 * judgement.answered);
-        found.add(Grade::Doubtful, text, turn);
+/// The heading by its own sigma.
+fn told_heading(judgement: &Judgement) -> String {
+    let known = &judgement.known;
+    match (known.two_sigma_deg, &known.none_because) {
+        (Some(two_sigma_deg), _) => {
+            let percent = 100.0 * known.within_share;
+            format!("known to +-{} deg (two sigmas) in {percent:.0} % of the time", short(two_sigma_deg))
+        }
+        (None, Some(why)) => format!("no heading, because {why}"),
+        (None, None) => "no heading".to_owned(),
     }
 }
 
-fn add_field(found: &mut Found, judgement: &Judgement, field: MeanSpread, again: &str) {
-    let MeanSpread { mean, spread } = field;
-    let text = format!("the total field spreads by {} of {mean:.0} uT", short(spread));
-    found.limit(spread / mean.max(1e-9), FIELD_SPREAD, text, again);
+fn add_heading(found: &mut Found, judgement: &Judgement) {
+    let known = &judgement.known;
+    let Some(two_sigma_deg) = known.two_sigma_deg else {
+        // the sentence says why
+        found.grade = Grade::Bad;
+        found.next.push(TURN.to_owned());
+        return;
+    };
+    if known.share < ANSWERED {
+        let text = format!("there is one in {:.0} % of the time only", 100.0 * known.share);
+        found.add(Grade::Doubtful, text, TURN);
+    }
+    if two_sigma_deg > WIDE_DEG {
+        found.add(Grade::Doubtful, "that is wide".to_owned(), TURN);
+    }
+    if known.is_unmoved() && judgement.courses_used == 0 {
+        let turned_deg = known.turned_deg.unwrap_or(0.0);
+        let text = format!("not enough motion to tell, for the device was turned by {turned_deg:.0} deg in all");
+        found.add(Grade::Doubtful, text, TURN);
+    }
+    if let Some(error) = judgement.published_heading.or(judgement.heading) {
+        let text = format!("it is {} deg rms off the reference", short(error.rms_deg));
+        let grade = if error.rms_deg > HEADING_DEG[1] { Grade::Bad } else { Grade::Doubtful };
+        if error.rms_deg > HEADING_DEG[0] {
+            found.add(grade, text, AGAIN);
+        }
+    }
+}
+
+/// The place by the corrected field: how far its strength and dip spread, and what they are.
+fn place_of(judgement: &Judgement, notes: &mut Vec<String>) -> (Place, Vec<String>) {
+    let Some(MeanSpread { mean, spread }) = judgement.total_field_ut.compensated else {
+        return (Place::Unknown, Vec::new());
+    };
+    let mut found: Vec<(Place, String)> = Vec::new();
+    let mut limit = |value: f64, [uneven, magnetic]: [f64; 2], text: String| {
+        if value > uneven {
+            found.push((if value > magnetic { Place::Magnetic } else { Place::Uneven }, text));
+        }
+    };
+    let share = spread / mean.max(1e-9);
+    limit(share, FIELD_SPREAD, format!("the field's strength varies by {:.0} %", 100.0 * share));
+    if let Some(dip) = judgement.dip_deg.compensated {
+        limit(dip.spread, DIP_SPREAD_DEG, format!("its dip varies by {} deg", short(dip.spread)));
+        if let Some(earth) = judgement.earth {
+            let text = format!("its dip is {:.0} deg, and the place has {:.0}", dip.mean, earth.dip_deg);
+            limit((dip.mean - earth.dip_deg).abs(), OFF_DIP_DEG, text);
+        }
+    }
+    if let Some(swing) = judgement.full_turns.and_then(|full| full.rms_deg.compensated) {
+        limit(swing, SWING_DEG, format!("north swings by {} deg within a full turn", short(swing)));
+    }
     match judgement.earth {
         Some(earth) => {
-            let text = format!("the total field is {mean:.0} uT, and the place has {:.0}", earth.total_field_ut);
-            found.limit((mean / earth.total_field_ut - 1.0).abs(), OFF_FIELD, text, again);
+            let off = (mean / earth.total_field_ut - 1.0).abs();
+            let text = format!("the field is {mean:.0} uT, and the place has {:.0}", earth.total_field_ut);
+            // the scales of phones' sensors are off by a tenth and more
+            if off > OFF_FIELD[1] {
+                limit(off, OFF_FIELD, text);
+            } else if off > OFF_FIELD[0] {
+                notes.push(text);
+            }
         }
         None if !(EARTH_UT.0..=EARTH_UT.1).contains(&mean) => {
-            let near = (NEAR_IRON_UT.0..=NEAR_IRON_UT.1).contains(&mean);
-            let text = format!("the total field is {mean:.0} uT, and the Earth has 22 to 67");
-            let grade = if near || found.is_proven { Grade::Doubtful } else { Grade::Bad };
-            found.add(grade, text, again);
+            found.push((Place::Magnetic, format!("the field is {mean:.0} uT, and the Earth has 22 to 67")));
         }
         None => {}
     }
+    found.sort_by_key(|(place, _)| std::cmp::Reverse(*place));
+    let place = found.first().map_or(Place::Even, |(place, _)| *place);
+    (place, found.into_iter().map(|(_, text)| text).collect())
 }
 
-/// What speaks against a recording.
-#[derive(Default)]
+/// What speaks against a heading.
+#[derive(Debug)]
 struct Found {
+    grade: Grade,
     against: Vec<(Grade, String)>,
     next: Vec<String>,
-    /// A reference proves the heading.
-    is_proven: bool,
+    notes: Vec<String>,
+}
+
+impl Default for Found {
+    fn default() -> Self {
+        Self { grade: Grade::Good, against: Vec::new(), next: Vec::new(), notes: Vec::new() }
+    }
 }
 
 impl Found {
     fn add(&mut self, grade: Grade, text: String, next: &str) {
-        if !next.is_empty() && grade > Grade::Good && !self.next.iter().any(|known| known == next) {
+        if !next.is_empty() && !self.next.iter().any(|known| known == next) {
             self.next.push(next.to_owned());
         }
+        self.grade = self.grade.max(grade);
         self.against.push((grade, text));
     }
 
-    fn limit(&mut self, value: f64, [doubtful, bad]: [f64; 2], text: String, next: &str) {
-        if value > bad && !self.is_proven {
-            self.add(Grade::Bad, text, next);
-        } else if value > doubtful {
-            self.add(Grade::Doubtful, text, next);
-        }
-    }
-
-    fn finish(mut self) -> Verdict {
+    fn finish(mut self, heading: String, place: Place, place_why: Vec<String>) -> Verdict {
         self.against.sort_by_key(|(grade, _)| std::cmp::Reverse(*grade));
-        let grade = self.against.first().map_or(Grade::Good, |(grade, _)| *grade);
-        let mended = self.against.iter().any(|(grade, text)| *grade > Grade::Good && text.contains("--"));
-        if mended {
+        let is_mended = self.against.iter().any(|(_, text)| text.contains("--")) || heading.contains("--");
+        if is_mended {
             // the options that the reasons name come first
             self.next.insert(0, "replay it again with the option that is named".to_owned());
         }
-        Verdict { grade, why: self.against.into_iter().map(|(_, text)| text).collect(), next: self.next }
+        if place > Place::Even && place != Place::Unknown && !self.next.iter().any(|known| known == AGAIN) {
+            self.next.push(AGAIN.to_owned());
+        }
+        let is_wrong = self.against.first().is_some_and(|(grade, _)| *grade == Grade::Bad);
+        let why = self.against.into_iter().map(|(_, text)| text).collect();
+        Verdict { grade: self.grade, is_wrong, heading, why, place, place_why, next: self.next, notes: self.notes }
     }
 }
 
@@ -185,22 +278,27 @@ pub type Played = (String, Result<(Judgement, Verdict), String>);
 
 /// The recordings of one call, a line each.
 pub fn verdicts_table(title: &str, lines: &[Played]) -> Table {
-    let columns = ["recording", "verdict", "s", "answered, %", "field, uT", "dip, deg", "why"];
+    let columns = ["recording", "heading", "s", "known to, deg", "of the time, %", "place", "why"];
     let mut table = Table::new(title, &columns);
     let dash = || "-".to_owned();
     for (name, outcome) in lines {
         let cells = match outcome {
             Ok((judgement, verdict)) => {
-                let told = |it: MeanSpread| format!("{:.1} +- {:.1}", it.mean, it.spread);
-                let mean = |figure: Option<MeanSpread>| figure.map_or_else(dash, told);
+                let place = match verdict.place {
+                    Place::Even => "even",
+                    Place::Uneven => "uneven",
+                    Place::Magnetic => "magnetic",
+                    Place::Unknown => "-",
+                };
+                let why = if verdict.grade == Grade::Good { String::new() } else { shorten(&verdict.reason()) };
                 vec![
                     name.clone(),
                     verdict.grade.word().to_owned(),
                     format!("{:.0}", judgement.duration_s),
-                    format!("{:.0}", 100.0 * judgement.answered),
-                    mean(judgement.total_field_ut.compensated),
-                    mean(judgement.dip_deg.compensated),
-                    shorten(&verdict.reason()),
+                    judgement.known.two_sigma_deg.map_or_else(dash, short),
+                    format!("{:.0}", 100.0 * judgement.known.within_share),
+                    place.to_owned(),
+                    why,
                 ]
             }
             Err(why) => vec![name.clone(), "not read".to_owned(), dash(), dash(), dash(), dash(), shorten(why)],

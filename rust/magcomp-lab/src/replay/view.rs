@@ -60,6 +60,9 @@ impl Lines<'_> {
 }
 
 fn add_published(lines: &mut Lines, judgement: &Judgement) {
+    let known = &judgement.known;
+    lines.add_ours("published heading known to 30 deg, % of the time", number(Some(100.0 * known.share), 0));
+    lines.add_ours("published heading, sigma, median, deg", number(known.sigma_deg, 1));
     if let Some(published) = judgement.published_heading {
         lines.add_ours("published heading, constant angle taken out, deg", signed(published.constant_deg));
         lines.add_ours("published heading, error rms, deg", number(Some(published.rms_deg), 2));

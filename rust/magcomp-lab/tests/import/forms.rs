@@ -71,11 +71,21 @@ fn one_file_a_sensor_is_told_by_its_name() {
         assert_eq!([first[3], first[6], first[9], &found.lines().count().to_string()], ["-40", "9.8", "0.1", "51"]);
     }
     // names that say nothing, or the same, are refused and not taken for one sensor
-    for name in ["other.csv", "my_mag2.csv"] {
+    for (name, why) in
+        [("other.csv", "other.csv: which sensor is it? rename it"), ("my_mag2.csv", "are of the same sensor")]
+    {
         fs::write(folder.path().join(name), text(-40.0)).unwrap();
         let error = refused(&[&paths[0], &folder.path().join(name)], &["--columns", "t=time,mx=x,my=y,mz=z"]);
-        assert!(error.contains("are of the same sensor"), "{error}");
+        assert!(error.contains(why), "{error}");
     }
+    // said in the option
+    let other = folder.path().join("other.csv");
+    let columns = "t=time,mx=x,my=y,mz=z,other.csv:gx=x,gy=y,gz=z";
+    let found = imported(&[&paths[0], &paths[1], &other], &["--columns", columns]);
+    let first: Vec<&str> = found.lines().nth(1).unwrap().split(',').collect();
+    assert_eq!([first[3], first[6], first[9]], ["-40", "9.8", "-40"]);
+    let error = refused(&[&paths[0], &other], &["--columns", "t=time,mx=x,my=y,mz=z,otter.csv:gx=x,gy=y,gz=z"]);
+    assert!(error.contains("--columns otter.csv:...: no such file"), "{error}");
 }
 
 #[test]
@@ -147,4 +157,115 @@ fn a_folder_names_the_file_that_comes_nearest() {
             && error.ends_with("found 'clock,mag_x,mag_y,mag_z'; not in CMakeLists.txt, battery.csv either\n"),
         "{error}"
     );
+}
+
+/// A table that looks like phyphox's by its first columns is not phyphox's, and loses nothing.
+#[test]
+fn a_form_is_claimed_by_its_whole_header() {
+    let row = |names: &str, cells: &str| format!("{names}\n0,{cells}\n0.02,{cells}\n0.04,{cells}\n");
+    let field = "Magnetometer X (uT),Magnetometer Y (uT),Magnetometer Z (uT)";
+    let rest = "Accelerometer X (g),Accelerometer Y (g),Accelerometer Z (g),Gyroscope X (deg/s),Gyroscope Y (deg/s),Gyroscope Z (deg/s)";
+    let table = row(&format!("Time (s),{field},{rest}"), "20,30,-40,0,0,1,90,0,0");
+    // units below the names; one letter before the axis, of which `a` has no gravity in it
+    let below =
+        "time,mx,my,mz,gx,gy,gz\ns,mG,mG,mG,deg/s,deg/s,deg/s\n0,200,300,-400,90,0,0\n0.02,200,300,-400,90,0,0\n";
+    let letters = row("time,gFx,gFy,gFz,ax,ay,az,wx,wy,wz,Bx,By,Bz", "0,0,1,0.1,0.2,0.3,1.5,0,0,20,30,-40");
+    let folder = folder(&[("t.csv", &table), ("u.csv", below), ("l.csv", &letters)]);
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let first = |name: &str| rows(&imported(&[&folder.path().join(name)], &[]))[0].clone();
+    let found = first("t.csv");
+    assert_eq!(found[1..7], [20.0, 30.0, -40.0, 0.0, 0.0, 9.80665]);
+    assert!((found[7] - quarter).abs() < 1e-9, "{found:?}");
+    let found = first("u.csv");
+    assert!(found[1..4] == [20.0, 30.0, -40.0] && (found[7] - quarter).abs() < 1e-9, "{found:?}");
+    assert_eq!(first("l.csv")[1..], [20.0, 30.0, -40.0, 0.0, 0.0, 9.80665, 1.5, 0.0, 0.0]);
+}
+
+#[test]
+fn columns_of_a_sensor_that_are_not_taken_are_told() {
+    let header = "t_s,mx,my,mz,turn_gyro_x,turn_gyro_y,turn_gyro_z";
+    let text = (0..60)
+        .fold(format!("{header}\n"), |text, k| text + &format!("{},20,{},-40,0,0,0.1\n", f64::from(k) * 0.02, k % 7));
+    let folder = folder(&[("r.csv", &text), ("n.csv", &text.replace("t_s", "time"))]);
+    let warning = "3 columns look like a sensor's (rotation rate) and were not taken, 'turn_gyro_x' first; name them by --columns";
+    let (code, _, error) = crate::run(&["replay", folder.path().join("r.csv").to_str().unwrap()]);
+    assert!(code == 0 && error.contains(warning), "{error}");
+    let (code, _, error, _) = import(&[&folder.path().join("n.csv")], &["--columns", "t=time,mx=mx,my=my,mz=mz"]);
+    assert!(code == 0 && error.contains(warning), "{error}");
+    // all of it by its names
+    let (code, _, error, text) = import(&[&folder.path().join("n.csv")], &[]);
+    assert!(
+        code == 0 && !error.contains("not taken") && text.unwrap().lines().nth(1).unwrap().ends_with(",0,0,0.1"),
+        "{error}"
+    );
+}
+
+/// As competitions write them: time and sensor at the beginning of each line, in either order.
+#[test]
+fn lines_that_begin_with_a_type_are_read() {
+    let tab = "#\tstartTime:1574572522414\n1574572522000\tTYPE_WIFI\tabc\tdef\t-60\t2400\n\
+               1574572522414\tTYPE_ACCELEROMETER\t0.5\t0\t9.8\t3\n\
+               1574572522414\tTYPE_MAGNETIC_FIELD\t21\t31\t-41\t3\n1574572522414\tTYPE_MAGNETIC_FIELD_UNCALIBRATED\t120\t30\t-40\t100\t1\t2\t3\n\
+               1574572522424\tTYPE_GYROSCOPE\t0.1\t0.2\t0.3\t3\n1574572522430\tTYPE_ROTATION_VECTOR\t0.1\t0.2\t0.3\n\
+               1574572522434\tTYPE_MAGNETIC_FIELD_UNCALIBRATED\t121\t30\t-40\t100\t1\t2\t3\n";
+    let comma =
+        "MAG,10.00,20,30,-40\nACC,10.00,0.5,0,9.8\nGYR,10.01,0.1,0.2,0.3\nMAG,10.02,21,30,-40\nLIGHT,10.02,7,8,9\n";
+    let folder = folder(&[("walk.txt", tab), ("log.csv", comma)]);
+    let found = rows(&imported(&[&folder.path().join("walk.txt")], &[]));
+    assert_eq!(found[0][..7], [0.0, 120.0, 30.0, -40.0, 0.5, 0.0, 9.8]);
+    // the system's own field, not the uncalibrated one less its bias, where both are there
+    assert_eq!(found[0][10..], [21.0, 31.0, -41.0]);
+    assert_eq!((found[1][0], found[1][7], found[2][0], found[2][1]), (0.01, 0.1, 0.02, 121.0));
+    let found = rows(&imported(&[&folder.path().join("log.csv")], &[]));
+    assert_eq!(found.iter().map(|row| row[0]).collect::<Vec<_>>(), [10.0, 10.01, 10.02]);
+    assert_eq!(found[0][1..7], [20.0, 30.0, -40.0, 0.5, 0.0, 9.8]);
+    // a table with a column of notes is a table
+    let noted = "t_s,note,mx,my,mz\n0,magnet,1,20,-40\n0.02,magnet,2,20,-40\n0.04,magnet,3,20,-40\n";
+    fs::write(folder.path().join("noted.csv"), noted).unwrap();
+    assert_eq!(rows(&imported(&[&folder.path().join("noted.csv")], &[]))[2][1..4], [3.0, 20.0, -40.0]);
+}
+
+#[test]
+fn a_closing_block_is_left_out_and_damage_is_not() {
+    let rows_of = |count: i32| (0..count).map(|k| format!("{k}0 20 {} -40\n", 30 + k % 3)).collect::<String>();
+    let columns = ["--columns", "t=#1,mx=#2,my=#3,mz=#4", "--units", "t=ms"];
+    let whole = rows_of(60);
+    let folder = folder(&[("r.txt", &format!("{whole}<2>\n39.9 -0.07\n39.9 -0.08\n"))]);
+    let path = folder.path().join("r.txt");
+    let (code, told, error, text) = import(&[&path], &columns);
+    assert!(code == 0 && error.is_empty() && text.unwrap().lines().count() == 61, "{error}");
+    assert!(
+        told.replace("\n  ", " ").contains("lines 61 to 63 behind the last row are none and were left out"),
+        "{told}"
+    );
+    // a row follows, or more lines than any logger closes a file with
+    for end in [format!("<2>\n{}", rows_of(61).lines().last().unwrap()), "x y z\n".repeat(55)] {
+        fs::write(&path, format!("{whole}{end}\n")).unwrap();
+        assert!(refused(&[&path], &columns).contains("line 61, column 1 (#1)"), "{end}");
+    }
+}
+
+#[test]
+fn what_is_no_table_is_refused_with_the_way_out_and_shows_no_numbers() {
+    let few = "# a log\nFix,GPS,10.005980,20.005980,5.0,1.2,3.8,354,1700000598000\n".to_owned()
+        + &(1..11).map(|k| format!("UncalMag,17000000{k}0000,{k}0000000000,20,30,-40,0,0,0\n")).collect::<String>();
+    let folder = folder(&[
+        ("s.json", "[{\"sensor\":\"Magnetometer\",\"x\":\"1\"}]\n"),
+        ("b.bag", "#ROSBAG V2.0\nE\u{1}"),
+        ("few.txt", &few),
+        ("where.txt", "Fix,GPS,10.005980,20.005980,5.0\n"),
+    ]);
+    let error = |name: &str| refused(&[&folder.path().join(name)], &[]);
+    assert!(error("s.json").contains("JSON is not read; export the session as CSV"));
+    assert!(error("b.bag").contains("rosbags-convert"));
+    let told = error("few.txt");
+    assert!(
+        told.contains("magnetometer events in")
+            && told.contains("too few")
+            && !told.contains("10.00")
+            && !told.contains("--units"),
+        "{told}"
+    );
+    let told = error("where.txt");
+    assert!(told.contains("'Fix,GPS,..,..,..'"), "{told}");
 }

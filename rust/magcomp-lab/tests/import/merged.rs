@@ -19,8 +19,8 @@ fn events_out_of_order_and_twice_are_said() {
     let output = elsewhere.path().join("out.csv");
     let (code, table, _) = run(&["import", folder.path().to_str().unwrap(), "-o", output.to_str().unwrap()]);
     assert_eq!(code, 0);
-    assert!(table.contains("magnetometer: 1 events were older than the one before"), "{table}");
-    assert!(table.contains("magnetometer: 1 events had the time of another with another value"), "{table}");
+    assert!(table.contains("magnetometer 1 events were older than the one before"), "{table}");
+    assert!(table.contains("magnetometer 1 events had the time of another with another value"), "{table}");
     assert!(table.contains("the magnetometer is the one that the system calibrates"), "{table}");
     let times = fs::read_to_string(output).unwrap();
     let times: Vec<&str> = times.lines().skip(1).map(|line| line.split(',').next().unwrap()).collect();

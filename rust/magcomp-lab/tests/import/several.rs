@@ -29,6 +29,11 @@ fn two_recordings_are_a_line_each_and_never_one_session() {
     // a folder of recordings, of which one file is none
     let (_, found) = lines(&[&text(folder.path())]);
     assert!(found.len() == 3 && found[2].1.is_none(), "{found:?}");
+    // or one that is damaged, before the others are compared
+    fs::write(folder.path().join("0.csv"), "t_s,mx,my,mz\n0,1,2,three\n1,1,2,3\n").unwrap();
+    let (_, found) = lines(&[&text(folder.path())]);
+    assert!(found.len() == 4 && found[0] == ("0.csv".to_owned(), None) && found[1].1.is_some(), "{found:?}");
+    fs::remove_file(folder.path().join("0.csv")).unwrap();
     let pages = tempfile::tempdir().unwrap();
     let (_, table, _) = run(&["replay", &text(&a), &text(&b), "--report", &text(pages.path())]);
     assert!(table.contains("2 recordings, a line each"), "{table}");

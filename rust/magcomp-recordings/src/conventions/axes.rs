@@ -3,7 +3,7 @@
 //! matter: no change of the vector's axes explains it.
 
 use super::windows::{Fit, Window, fit, unexplained};
-use magcomp::nalgebra::Matrix3;
+use magcomp::nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// Fewer windows tell nothing.
 const FEWEST: usize = 16;
@@ -23,6 +23,8 @@ pub(super) struct Fits {
     pub fit: Fit,
     /// Each half of the windows says so.
     pub is_steady: bool,
+    /// What is left over by the best of all other axes: a turn about one axis alone fits several ways.
+    rival: f64,
 }
 
 impl Fits {
@@ -37,9 +39,13 @@ impl Fits {
         }
         let as_is = fit(windows, &Matrix3::identity(), has_offset);
         let (mut best, mut axes, mut unit) = (as_is, Matrix3::identity(), UNITS[0]);
+        let mut rival = f64::INFINITY;
         for candidate in UNITS {
             for turn in turns() {
                 let found = fit(windows, &(turn * candidate.0), has_offset);
+                if candidate.0 == 1.0 && turn != Matrix3::identity() {
+                    rival = rival.min(found.left);
+                }
                 // a tie is none: a turn about one axis alone fits several ways
                 if found.left < 0.98 * best.left {
                     (best, axes, unit) = (found, turn, candidate);
@@ -52,13 +58,18 @@ impl Fits {
             better < 0.85 * before
         };
         let is_steady = gain(halves.0) && gain(halves.1);
-        let (as_is, left) = (as_is.left / zero, best.left / zero);
-        Some(Self { as_is, best: left, axes, unit: unit.1, fit: best, is_steady })
+        let (as_is, left, rival) = (as_is.left / zero, best.left / zero, rival / zero);
+        Some(Self { as_is, best: left, axes, unit: unit.1, fit: best, is_steady, rival })
     }
 
     /// Whether the vector turns with the gyroscope as it should.
     pub fn agrees(&self) -> bool {
         self.as_is < 0.7 && !self.differs()
+    }
+
+    /// Whether it does, and would in no other way.
+    pub fn is_proven(&self) -> bool {
+        self.agrees() && self.as_is < 0.7 * self.rival
     }
 
     /// Whether another way fits, and clearly better.
@@ -77,8 +88,86 @@ impl Fits {
     }
 }
 
+/// Parts of a recording by each of which a turn about the screen's normal is told.
+const PARTS: usize = 6;
+/// How sharply a part has to tell it, 15 degrees beside, and all parts together.
+const BESIDE_DEG: f64 = 15.0;
+const LEAST_SHARPNESS: f64 = 0.02;
+const LEAST_WEIGHT: f64 = 0.1;
+/// The uncertainty of one part at least, degrees.
+const PART_DEG: f64 = 1.0;
+/// Turns that are tried, and their step, degrees.
+const MOST_ASKEW_DEG: f64 = 45.0;
+const ASKEW_STEP_DEG: f64 = 3.0;
+/// Phones are askew by up to 5 degrees; a turn is told from this one on, and where it is this many times its uncertainty.
+const LEAST_ASKEW_DEG: f64 = 7.0;
+const CERTAIN: f64 = 4.0;
+/// The uncertainty up to which the turn is told, degrees.
+const KNOWN_DEG: f64 = 2.5;
+
+/// A turn of the magnetometer about the screen's normal, against the gyroscope, by the parts of a recording.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Askew {
+    deg: f64,
+    sigma_deg: f64,
+}
+
+impl Askew {
+    /// None where no part of the recording tells it.
+    pub fn of(windows: &[Window]) -> Option<Self> {
+        let parts: Vec<(f64, f64)> = (windows.chunks(windows.len().div_ceil(PARTS).max(1)))
+            .filter(|part| part.len() >= FEWEST)
+            .filter_map(askew_deg)
+            .collect();
+        let weight: f64 = parts.iter().map(|part| part.1).sum();
+        if weight < LEAST_WEIGHT {
+            return None;
+        }
+        let deg = parts.iter().map(|(deg, weight)| deg * weight).sum::<f64>() / weight;
+        let square = parts.iter().map(|(part, weight)| (part - deg).powi(2) * weight).sum::<f64>() / weight;
+        let count = weight * weight / parts.iter().map(|part| part.1.powi(2)).sum::<f64>();
+        // one part alone does not show how far parts differ
+        let fair = if count >= 2.0 { count / (count - 1.0) } else { 1.0 };
+        Some(Self { deg, sigma_deg: ((square * fair + PART_DEG * PART_DEG) / count).sqrt() })
+    }
+
+    /// The turn, where it is large and certain, degrees anticlockwise seen from the front.
+    pub fn proven_deg(&self) -> Option<f64> {
+        (self.is_known() && self.deg.abs() > LEAST_ASKEW_DEG.max(CERTAIN * self.sigma_deg)).then_some(self.deg)
+    }
+
+    /// Whether the recording tells the turn.
+    pub fn is_known(&self) -> bool {
+        self.sigma_deg < KNOWN_DEG
+    }
+
+    /// How far it may be turned, degrees.
+    pub fn within_deg(&self) -> f64 {
+        self.deg.abs() + 2.0 * self.sigma_deg
+    }
+}
+
+/// The turn about the screen's normal that leaves least over, degrees, and how sharply: what is left over 15 degrees beside it, less 1. None
+/// where it is not told.
+fn askew_deg(windows: &[Window]) -> Option<(f64, f64)> {
+    let left = |deg: f64| {
+        let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), deg.to_radians());
+        fit(windows, turned.matrix(), true).left
+    };
+    let steps = (MOST_ASKEW_DEG / ASKEW_STEP_DEG) as i32;
+    let tried: Vec<(f64, f64)> =
+        (-steps..=steps).map(|step| f64::from(step) * ASKEW_STEP_DEG).map(|deg| (deg, left(deg))).collect();
+    let k = (0..tried.len()).min_by(|a, b| tried[*a].1.total_cmp(&tried[*b].1))?;
+    // the lowest point of the parabola through three
+    let ((_, before), (deg, at), (_, after)) = (*tried.get(k.checked_sub(1)?)?, tried[k], *tried.get(k + 1)?);
+    let bend = before - 2.0 * at + after;
+    let deg = deg + if bend > 0.0 { ASKEW_STEP_DEG * (before - after) / bend / 2.0 } else { 0.0 };
+    let sharpness = (left(deg - BESIDE_DEG).min(left(deg + BESIDE_DEG)) / at - 1.0).min(1.0);
+    (sharpness > LEAST_SHARPNESS).then_some((deg, sharpness))
+}
+
 /// All frames along the axes, the right-handed ones first.
-fn turns() -> Vec<Matrix3<f64>> {
+pub(super) fn turns() -> Vec<Matrix3<f64>> {
     let mut found = Vec::new();
     for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
         for signs in 0..8 {

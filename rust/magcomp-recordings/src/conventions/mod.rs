@@ -4,22 +4,24 @@
 //! Nothing here is tuned to a device: that a vector fixed in the world turns against the gyroscope holds for all of them.
 
 mod axes;
+mod dip;
 mod finding;
 mod samples;
+mod tested;
 mod windows;
 
-use axes::{Fits, typed};
+use axes::{Askew, Fits, typed};
+use dip::{Angle, angle, corrected, dip_deg};
 use finding::Add;
 pub use finding::Weight;
 use magcomp::nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use serde::Serialize;
+pub use tested::{Answer, Tested};
 use windows::{Event, Series, Turns, fit, median, windows};
 
 /// Seconds of a window of the field, and of gravity, whose ends are averaged over as long.
 const FIELD_S: f64 = 0.5;
 const GRAVITY_S: f64 = 1.0;
-/// Gravity for the dip is averaged over this: a turn blurs it.
-const UP_S: f64 = 0.2;
 /// Events of a sensor that are looked at.
 const MOST: usize = 1 << 17;
 /// Events of the field by which a delay is told: it is tried many times over.
@@ -58,8 +60,10 @@ pub struct Finding {
 /// What was found, and what it was found by.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Conventions {
-    /// What was found; nothing where all is as it should be.
+    /// What was found; nothing where nothing is amiss.
     pub findings: Vec<Finding>,
+    /// What was tested, and what could not be.
+    pub tested: Vec<Tested>,
     /// Size of the field about the centre that the gyroscope tells, uT.
     pub radius_ut: Option<f64>,
     /// The field's angle below the horizon about that centre, degrees.
@@ -88,7 +92,10 @@ impl Conventions {
             return;
         };
         self.findings.retain(|finding| finding.kind != "dip_sign" && finding.kind != "accelerometer_sign");
-        if dip_deg * model_deg < 0.0 {
+        self.tested.retain(|tested| tested.what != SIGN);
+        let is_wrong = dip_deg * model_deg < 0.0;
+        self.tested.push(Tested::of(SIGN, is_wrong, true, "by the dip that the place has", ""));
+        if is_wrong {
             let text = format!(
                 "the dip is {dip_deg:.0} deg, and the place has {model_deg:.0}: the acceleration is of Apple's sign: --units a=-m/s2 (or the \
                  magnetometer's axes are all turned round: --frame m=-x,-y,-z)"
@@ -125,14 +132,35 @@ pub fn check(streams: &Streams<'_>) -> Conventions {
     let of_field = Fits::of(&field_windows, true).filter(|_| has_clock);
     let (gravity, field_fits) = (of_gravity.as_ref(), of_field.as_ref());
     check_axes(field_fits, gravity, &field, &up, &mut add);
-    if let Some(fits) = field_fits.filter(|fits| fits.best < 0.6 && fits.fit.roundness > 0.01) {
-        let sizes = field.iter().map(|(_, value)| (value - fits.fit.offset).norm());
-        let radius_ut = median(sizes.collect());
+    let centred = field_fits.filter(|fits| fits.best < 0.6 && fits.fit.roundness > 0.01);
+    let about_centre = corrected(&field, centred.map(|fits| fits.fit.offset));
+    if let (Some(fits), Some(about_centre)) = (centred, &about_centre) {
+        let radius_ut = median(about_centre.iter().map(|(_, value)| value.norm()).collect());
         check_radius(radius_ut, &mut add);
         found.radius_ut = Some(radius_ut);
         if !fits.differs() {
-            found.dip_deg = dip_deg(&field, &up, fits.fit.offset, &Matrix3::identity());
+            found.dip_deg = dip_deg(about_centre, &up, &Matrix3::identity());
         }
+    }
+    let mut add = |kind, weight, text: String| found.findings.push(Finding { kind, weight, text });
+    let is_turned = |fits: Option<&Fits>| fits.is_some_and(|fits| fits.differs());
+    let askew = Askew::of(&field_windows).filter(|_| field_fits.is_some_and(Fits::agrees));
+    if let Some(deg) = askew.and_then(|askew| askew.proven_deg()) {
+        let text = format!(
+            "the magnetometer is turned by {deg:.0} deg about the screen's normal against the gyroscope, as a module that is glued askew: --frame \
+             m=x,y,z,{:.0}",
+            -deg
+        );
+        add("field_askew", Weight::Fault, text);
+    }
+    let angle = about_centre.as_ref().and_then(|field| angle(field, &up)).filter(|_| has_clock);
+    if let Some(Angle::OtherAxes(axes)) = angle.filter(|_| !is_turned(field_fits) && !is_turned(gravity)) {
+        let (named, back) = (typed(&axes), typed(&axes.transpose()));
+        let text = format!(
+            "the angle between gravity and field changes as if one of the two had other axes; it stays the same with --frame a={named}, or with \
+             --frame m={back}"
+        );
+        add("dip_axes", Weight::Fault, text);
     }
     if field_fits.is_some_and(Fits::agrees) {
         found.field_delay_s = delay_s(&field[..field.len().min(MOST_FOR_DELAY)], &turns);
@@ -147,9 +175,105 @@ pub fn check(streams: &Streams<'_>) -> Conventions {
         add("field_delay", Weight::Doubt, text);
     }
     check_sign(streams, &up, found.dip_deg, &mut add);
-    samples::check_axis(&up, &mut add);
     found.findings.sort_by_key(|finding| std::cmp::Reverse(finding.weight));
+    let seen = Seen { has_clock, field: field_fits, gravity, askew, angle };
+    found.tested = seen.tested(&found, streams);
     found
+}
+
+/// The question of the accelerometer's sign.
+const SIGN: &str = "sign of the accelerometer";
+
+/// What the questions are answered by.
+struct Seen<'a> {
+    has_clock: bool,
+    field: Option<&'a Fits>,
+    gravity: Option<&'a Fits>,
+    askew: Option<Askew>,
+    angle: Option<Angle>,
+}
+
+impl Seen<'_> {
+    fn tested(&self, found: &Conventions, streams: &Streams<'_>) -> Vec<Tested> {
+        let has = |kinds: &[&str]| found.findings.iter().any(|finding| kinds.contains(&finding.kind));
+        let [no_field, no_up, no_rate] =
+            [streams.field, streams.up, streams.rate].map(|events| events.len() < samples::FEWEST);
+        let turn = "turn the device about each of its axes, half a turn and back, for 20 s";
+        let needs = |missing: bool, sensor: &str, otherwise: &str| {
+            if missing { format!("record the {sensor} too") } else { otherwise.to_owned() }
+        };
+        let both = |missing: bool, other: &str| {
+            if no_rate { needs(true, "gyroscope", turn) } else { needs(missing, other, turn) }
+        };
+        let question = |what, kinds: &[&str], is_sound: bool, by: &str, would: &str| {
+            Tested::of(what, has(kinds), is_sound, by, would)
+        };
+        let proven = |fits: Option<&Fits>| fits.is_some_and(Fits::is_proven);
+        let is_level = found.dip_deg.is_some_and(|dip_deg| dip_deg.abs() > LEAST_DIP_DEG);
+        let askew = match self.askew {
+            Some(askew) if askew.is_known() => format!("by its turns: within {:.0} deg", askew.within_deg()),
+            _ => "by its turns".to_owned(),
+        };
+        vec![
+            question("unit of the field", &["field_unit"], found.radius_ut.is_some(), "by its size", turn),
+            question(
+                "axes of the magnetometer",
+                &["field_axes"],
+                proven(self.field),
+                "by its turns against the gyroscope's",
+                &both(no_field, "magnetometer"),
+            ),
+            question(
+                "magnetometer askew in the device",
+                &["field_askew"],
+                self.askew.is_some_and(|askew| askew.is_known()) && proven(self.field),
+                &askew,
+                &needs(no_rate, "gyroscope", "tilt the device by 45 degrees and more while you turn"),
+            ),
+            question(
+                "unit and axes of the gyroscope",
+                &["gyroscope_unit", "gyroscope_axes"],
+                proven(self.gravity) || proven(self.field),
+                "by the turns of gravity and field",
+                &both(no_up, "accelerometer"),
+            ),
+            question(
+                "axes of the accelerometer",
+                &["accelerometer_axes", "dip_axes"],
+                proven(self.gravity) || self.angle == Some(Angle::Same),
+                "by gravity's turns, and by its angle to the field",
+                &needs(no_up, "accelerometer", turn),
+            ),
+            question(
+                SIGN,
+                &["accelerometer_sign"],
+                is_level && !has(&["dip_sign"]),
+                "by the dip, north of the magnetic equator",
+                &needs(no_up, "accelerometer", "--place LAT,LON, and a turn about each axis"),
+            ),
+            question(
+                "clocks",
+                &["clock"],
+                self.has_clock && !(no_up && no_rate),
+                "the sensors' times overlap",
+                "record gyroscope and accelerometer too",
+            ),
+            question(
+                "delay of the field",
+                &["field_delay"],
+                found.field_delay_s.is_some(),
+                "by its turns against the gyroscope's",
+                &both(no_field, "magnetometer"),
+            ),
+            question(
+                "samples",
+                &["dead_axis", "no_numbers", "two_kinds", "field_interpolated", "rate_low"],
+                !no_field,
+                "numbers, rates and steps of each sensor",
+                "record for a second and more",
+            ),
+        ]
+    }
 }
 
 /// Units and axes of gyroscope, field and gravity. One that stands alone against the other two is the guilty one.
@@ -185,7 +309,8 @@ fn check_axes(field: Option<&Fits>, gravity: Option<&Fits>, events: &Series, up:
         (Some(fits), _) if field_differs => {
             let axes = fits.axes.transpose();
             // a mirror turns as its opposite does: the one whose dip is that of the northern half of the Earth, where most people live
-            let dip = dip_deg(events, up, fits.fit.offset, &axes);
+            let centred = corrected(events, Some(fits.fit.offset));
+            let dip = centred.and_then(|field| dip_deg(&field, up, &axes));
             let axes = if dip.is_some_and(|dip| dip < -LEAST_DIP_DEG) { -axes } else { axes };
             let (named, other) = (typed(&axes), typed(&-axes));
             let south = if dip.is_some_and(|dip| dip.abs() > LEAST_DIP_DEG) {
@@ -239,26 +364,6 @@ fn check_radius(radius_ut: f64, add: &mut Add<'_>) {
     let text =
         format!("the field is about {radius_ut:.0} uT wherever it is turned, and the Earth has 22 to 67: {hint}");
     add("field_unit", Weight::Fault, text);
-}
-
-/// The field's angle below the horizon; none without gravity, or where it is not clear.
-fn dip_deg(field: &Series, up: &Series, offset: Vector3<f64>, axes: &Matrix3<f64>) -> Option<f64> {
-    let mut averaged: Option<Vector3<f64>> = None;
-    let (mut next, mut before_s, mut dips) = (0, 0.0, Vec::new());
-    for (time_s, value) in field {
-        while let Some((up_s, up)) = up.get(next).filter(|event| event.0 <= *time_s) {
-            let mean = averaged.get_or_insert(*up);
-            *mean += (up - *mean) * ((up_s - before_s) / UP_S).clamp(0.0, 1.0);
-            (before_s, next) = (*up_s, next + 1);
-        }
-        let Some(up) = averaged else { continue };
-        let turned = axes * (value - offset);
-        let sine = -turned.dot(&up) / (turned.norm() * up.norm());
-        if sine.is_finite() {
-            dips.push(sine.clamp(-1.0, 1.0).asin().to_degrees());
-        }
-    }
-    (dips.len() > 50).then(|| median(dips))
 }
 
 /// How late the field is behind the gyroscope: the delay at which least is left over, by each quarter of the recording that tells it

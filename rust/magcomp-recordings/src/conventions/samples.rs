@@ -2,11 +2,11 @@
 //! stream, a rate too low, another clock, an axis that points up.
 
 use super::finding::{Add, Weight};
-use super::windows::{Series, median};
-use magcomp::nalgebra::Vector3;
+use super::windows::{Event, Series, median};
+use magcomp::nalgebra::{Matrix3, Vector3};
 
 /// Fewer samples tell nothing.
-const FEWEST: usize = 50;
+pub(super) const FEWEST: usize = 50;
 /// Fewer say nothing of an axis that never changes while the others change by some uT, m/s^2 or rad/s.
 const FEWEST_OF_DEAD: usize = 500;
 /// A magnetometer below this rate, and a gyroscope below the other, Hz.
@@ -14,6 +14,9 @@ const LEAST_FIELD_HZ: f64 = 4.0;
 const LEAST_RATE_HZ: f64 = 10.0;
 /// A step between samples of a second kind is larger than this, uT.
 const LEAST_STEP_UT: f64 = 3.0;
+/// The two kinds' difference has one direction in the device over this time, s; from this share on it is theirs.
+const HELD_S: f64 = 10.0;
+const FIXED: f64 = 0.8;
 /// The device turns, rad/s.
 const TURNING_RAD_S: f64 = 0.3;
 
@@ -61,7 +64,8 @@ pub(super) fn check_numbers(name: &str, numbers: usize, all: usize, add: &mut Ad
     }
 }
 
-/// Two kinds of samples in one stream, such as calibrated and raw ones: steps from one to the other are all the same.
+/// Two kinds of samples in one stream, such as calibrated and raw ones: steps from one to the other are all the same. A field of the mains that is sampled
+/// about twice a period steps to and fro as well, but in the world's axes and not in the device's, and it beats.
 fn check_kinds(field: &Series, add: &mut Add<'_>) {
     if field.len() < FEWEST {
         return;
@@ -73,6 +77,15 @@ fn check_kinds(field: &Series, add: &mut Add<'_>) {
     // by turns; or now and then, each step alike
     let usual = sizes[sizes.len() / 2];
     let by_turns = usual > LEAST_STEP_UT && over_two < 0.4 * usual;
+    if by_turns && device_share(field) < FIXED {
+        let text = format!(
+            "a field of about {:.0} uT swings with half the rate of the samples, as the mains' does beside cables and supplies: it is the place's, and \
+             does little harm",
+            usual / 2.0
+        );
+        add("hum", Weight::Note, text);
+        return;
+    }
     let large_ut = (6.0 * sizes[sizes.len() / 4]).max(LEAST_STEP_UT);
     let large: Vec<&Vector3<f64>> = steps.iter().filter(|step| step.norm() > large_ut).collect();
     let is_common = large.len() as f64 > 0.05 * steps.len() as f64;
@@ -86,8 +99,29 @@ fn check_kinds(field: &Series, add: &mut Add<'_>) {
             "two kinds of samples are in the magnetometer's stream, {step_ut:.0} uT apart: calibrated and uncalibrated ones? record one kind, or \
              take the columns of one: --columns"
         );
-        add("two_kinds", Weight::Fault, text);
+        add("two_kinds", Weight::Doubt, text);
     }
+}
+
+/// The share of what swings from sample to sample that has one direction in the device throughout, 0 to 1.
+fn device_share(field: &Series) -> f64 {
+    let swing = |(k, three): (usize, &[Event])| {
+        let sign = if k % 2 == 0 { 0.25 } else { -0.25 };
+        (three[0].1 - three[1].1 * 2.0 + three[2].1) * sign
+    };
+    let swings: Vec<Vector3<f64>> = field.windows(3).enumerate().map(swing).collect();
+    let size = swings.iter().map(Vector3::norm).sum::<f64>() / swings.len().max(1) as f64;
+    // a sample that was lost changes the sign of all that follow
+    let span_s = field.last().map_or(0.0, |last| last.0 - field[0].0);
+    let block = ((HELD_S / span_s.max(HELD_S) * swings.len() as f64) as usize).max(1);
+    let mut squares = Matrix3::zeros();
+    let blocks = swings.chunks(block).map(|block| block.iter().sum::<Vector3<f64>>() / block.len() as f64);
+    let mut count = 0.0;
+    for mean in blocks {
+        squares += mean * mean.transpose();
+        count += 1.0;
+    }
+    (squares.symmetric_eigenvalues().max() / count).max(0.0).sqrt() / size.max(f64::MIN_POSITIVE)
 }
 
 /// A field that a logger interpolated or held between fewer samples of the sensor.
@@ -173,17 +207,4 @@ pub(super) fn check_clocks(streams: [&[(i64, Vector3<f64>)]; 3], add: &mut Add<'
         }
     }
     all
-}
-
-/// The top edge points up or down most of the time: its heading is that of nothing.
-pub(super) fn check_axis(up: &Series, add: &mut Add<'_>) {
-    let steep = up.iter().filter(|(_, up)| up.y.abs() > 0.9 * up.norm()).count() as f64;
-    let share = steep / up.len().max(1) as f64;
-    if up.len() >= FEWEST && share > 0.5 {
-        let text = format!(
-            "the top edge points up or down in {:.0} % of the rows, where it has no heading: --axis camera or --axis auto",
-            100.0 * share
-        );
-        add("axis_vertical", Weight::Note, text);
-    }
 }

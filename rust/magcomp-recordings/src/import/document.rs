@@ -20,6 +20,10 @@ const TEXT: [&str; 6] = [".csv", ".txt", ".csv.gz", ".parquet", ".arrow", ".feat
 /// About a bag of ROS 2 that is a database.
 const SQLITE: &str = "a bag in SQLite is not read; `ros2 bag convert` makes an mcap file of it";
 
+const ROS1: &[u8] = b"#ROSBAG";
+const ROS1_WAY: &str = "a bag of ROS 1 is not read; `rosbags-convert --src IN.bag --dst OUT --dst-storage mcap` (pip install rosbags) makes one of ROS 2 of it";
+const JSON_WAY: &str = "JSON is not read; export the session as CSV (Sensor Logger: zipped CSV)";
+
 /// Files of a session, at most.
 const MOST_FILES: usize = 2000;
 /// Lines before a table, at most, and their length, bytes.
@@ -34,15 +38,17 @@ pub(super) struct Document {
     /// Its content, without a byte order mark and the lines before its table.
     pub text: Vec<u8>,
     pub lines_before: u64,
+    /// Its packed form is cut off.
+    pub is_cut: bool,
 }
 
 impl Document {
     fn new(path: PathBuf, bytes: Vec<u8>, budget: &mut Budget) -> Result<Self, RecordingError> {
-        let mut text = bytes;
+        let (mut text, mut is_cut) = (bytes, false);
         if text.starts_with(&GZIP) {
             let packed_bytes = text.len() as u64;
-            let plain = budget.unpack(MultiGzDecoder::new(text.as_slice()), packed_bytes);
-            text = plain.map_err(RecordingError::read(&path))?;
+            let plain = budget.unpack_cut(MultiGzDecoder::new(text.as_slice()), packed_bytes);
+            (text, is_cut) = plain.map_err(RecordingError::read(&path))?;
         }
         if is_columnar(&text) {
             let csv = as_csv(&path, text)?;
@@ -51,14 +57,17 @@ impl Document {
         if text.starts_with(b"\xef\xbb\xbf") {
             text.drain(..3);
         }
+        if let Some(why) = not_table(&text) {
+            return Err(RecordingError::NoSession(format!("{}: {why}", path.display())));
+        }
         if text.iter().take(START).any(|byte| *byte == 0) {
             return Err(RecordingError::NoSession(format!("{}: {}", path.display(), not_text(&text))));
         }
-        Ok(Self::of_text(path, text))
+        Ok(Self { is_cut, ..Self::of_text(path, text) })
     }
 
     pub fn of_text(path: PathBuf, text: Vec<u8>) -> Self {
-        Self { path, text, lines_before: 0 }
+        Self { path, text, lines_before: 0, is_cut: false }
     }
 
     pub fn skip_lines(&mut self, lines: u64) {
@@ -110,16 +119,23 @@ impl Document {
         start.split(|byte| *byte == b'\n').any(is_of)
     }
 
-    /// Its first line that is no comment and not empty.
-    pub fn first_line(&self) -> String {
-        self.lines()
-            .next()
-            .map_or_else(String::new, |(_, line)| String::from_utf8_lossy(line.trim_ascii()).into_owned())
-    }
-
-    /// The number of that line.
+    /// The number of its first line that is no comment and not empty.
     pub fn first_line_number(&self) -> u64 {
         self.lines().next().map_or(1, |(number, _)| number)
+    }
+}
+
+/// What the user can do with a text, or what begins as one, that is no table.
+fn not_table(bytes: &[u8]) -> Option<&'static str> {
+    let text = bytes.trim_ascii_start();
+    if bytes.starts_with(ROS1) {
+        Some(ROS1_WAY)
+    } else if text.starts_with(b"{") || text.starts_with(b"[{") || text.starts_with(b"[[") {
+        Some(JSON_WAY)
+    } else if text.starts_with(b"<?xml") || text.starts_with(b"<!DOCTYPE") || text.starts_with(b"<html") {
+        Some("XML and HTML are not read; export the recording as CSV")
+    } else {
+        None
     }
 }
 
@@ -131,6 +147,10 @@ fn not_text(bytes: &[u8]) -> &'static str {
         "Feather of version 1 is not read; make version 2 of it: in Python, pandas.read_feather(IN).to_feather(OUT)"
     } else if bytes.starts_with(b"SQLite format 3") {
         SQLITE
+    } else if bytes.starts_with(b"\x89HDF") {
+        "an HDF5 file is not read; write its tables as CSV, one for each sensor"
+    } else if bytes.starts_with(b"ULog") {
+        "a log of PX4 is not read; `ulog2csv FILE` makes a CSV of each topic"
     } else if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
         "UTF-16 text is not read; save it as UTF-8"
     } else {
@@ -201,6 +221,10 @@ fn nothing_in(inputs: &[Input]) -> RecordingError {
                 "a bag that is packed as a file is not read; unpack it: zstd -d".to_owned()
             } else if ends(path, &[".db3"]) {
                 SQLITE.to_owned()
+            } else if ends(path, &[".bag"]) {
+                ROS1_WAY.to_owned()
+            } else if ends(path, &[".json"]) {
+                JSON_WAY.to_owned()
             } else if path.is_dir() {
                 format!("it is a folder in {}; give each recording's own folder", input.path.display())
             } else {

@@ -11,7 +11,10 @@ use super::document::Document;
 use super::fix::course;
 use super::session::Session;
 use super::sheet::Sheet;
+use super::typed::Sensors;
+use super::units::Kind;
 use crate::error::RecordingError;
+use crate::recording::Delimiter;
 
 /// Columns of a row: milliseconds since 1970, the time, the value, the bias.
 const UNIX_MS: usize = 1;
@@ -33,12 +36,14 @@ pub(super) fn is_log(document: &Document) -> bool {
 }
 
 pub(super) fn read(documents: &[Document]) -> Result<Session, RecordingError> {
-    let [mut session, mut calibrated] = [Session::default(), Session::default()];
+    let mut sensors = Sensors::default();
+    sensors.uncalibrated.is_time_told = true;
     let mut first: Option<&Document> = None;
     for document in documents {
-        let sheet = Sheet::new(document);
-        let before = session.raw.events.len() + calibrated.raw.events.len();
+        let sheet = Sheet::of_lines(document, Delimiter::Mark(b','));
+        let before = sensors.samples();
         let cut = sheet.lines(|cells| {
+            let session = &mut sensors.uncalibrated;
             let kind = cells.text(0);
             if kind == "Fix" {
                 let known = |column: usize| cells.number(column).unwrap_or(f64::NAN);
@@ -56,39 +61,26 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, RecordingError> {
             let time_ns = cells.time_ns(TIME, 1)?;
             session.start_unix_ns = session.start_unix_ns.or_else(|| cells.time_ns(UNIX_MS, 1_000_000).ok());
             let Some(value) = cells.vector(VALUE)? else { return Ok(()) };
-            let of = if kind.starts_with("Uncal") { &mut session } else { &mut calibrated };
-            let stream = match kind.as_str() {
-                "UncalMag" | "Mag" => &mut of.raw,
-                "UncalGyro" | "Gyro" => &mut of.rate,
-                _ => &mut of.up,
+            let sensor = match kind.as_str() {
+                "UncalMag" | "Mag" => Kind::Field,
+                "UncalGyro" | "Gyro" => Kind::Rate,
+                _ => Kind::Up,
             };
+            let stream = sensors.stream(sensor, kind.starts_with("Uncal"));
             stream.add(time_ns, value, || [cells.place(TIME), cells.place(VALUE[0])])?;
             if kind == "UncalMag"
                 && let Some(bias) = cells.vector(BIAS)?
             {
-                session.system.add(time_ns, value - bias, || [cells.place(TIME), cells.place(BIAS[0])])?;
+                sensors.uncalibrated.system.add(time_ns, value - bias, || [cells.place(TIME), cells.place(BIAS[0])])?;
             }
             Ok(())
         })?;
-        cut.iter().for_each(|why| session.cut_off(why));
-        if session.raw.events.len() + calibrated.raw.events.len() > before
+        sensors.uncalibrated.notes.extend(cut);
+        if sensors.samples() > before
             && let Some(first) = first.replace(document)
         {
             return Err(RecordingError::several(&first.path, &document.path));
         }
     }
-    if session.raw.events.is_empty() && !calibrated.raw.events.is_empty() {
-        session.raw = calibrated.raw;
-        session
-            .notes
-            .push("the magnetometer is the one that the system calibrates: the log has no UncalMag rows".to_owned());
-    } else if !calibrated.raw.events.is_empty() {
-        session.system = calibrated.raw;
-    }
-    for (uncalibrated, calibrated) in [(&mut session.rate, calibrated.rate), (&mut session.up, calibrated.up)] {
-        if uncalibrated.events.is_empty() {
-            *uncalibrated = calibrated;
-        }
-    }
-    Ok(session)
+    Ok(sensors.settle())
 }

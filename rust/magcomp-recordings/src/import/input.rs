@@ -91,6 +91,16 @@ impl Budget {
         self.take(content, packed_bytes.saturating_mul(MOST_TIMES).max(SMALL_BYTES))
     }
 
+    /// As [`Self::unpack`]; of what is cut off, as an app leaves it that was ended, what is before the cut, and that it is.
+    pub fn unpack_cut(&mut self, content: impl Read, packed_bytes: u64) -> io::Result<(Vec<u8>, bool)> {
+        let mut content = Cut { content, is_cut: false };
+        let bytes = self.unpack(&mut content, packed_bytes)?;
+        if bytes.is_empty() && content.is_cut {
+            return Err(io::Error::new(io::ErrorKind::UnexpectedEof, "the file is cut off"));
+        }
+        Ok((bytes, content.is_cut))
+    }
+
     fn take(&mut self, content: impl Read, most: u64) -> io::Result<Vec<u8>> {
         let most = most.min(self.0);
         let mut bytes = Vec::new();
@@ -106,5 +116,23 @@ impl Budget {
             format!("it unpacks to more than {MOST_TIMES} times its size, as no sensor's text does")
         };
         Err(io::Error::new(io::ErrorKind::FileTooLarge, why))
+    }
+}
+
+/// Content whose end may be missing.
+struct Cut<R> {
+    content: R,
+    is_cut: bool,
+}
+
+impl<R: Read> Read for Cut<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        match self.content.read(buffer) {
+            Err(why) if why.kind() == io::ErrorKind::UnexpectedEof => {
+                self.is_cut = true;
+                Ok(0)
+            }
+            read => read,
+        }
     }
 }

@@ -9,6 +9,7 @@ use super::layout::SECOND_NS;
 use super::session::Session;
 use super::sheet::Sheet;
 use crate::error::RecordingError;
+use crate::recording::Delimiter;
 use crate::time::MOST_NS;
 
 const APP: usize = 1;
@@ -26,10 +27,10 @@ pub(super) fn is_log(document: &Document) -> bool {
 }
 
 pub(super) fn read(documents: &[Document]) -> Result<Session, RecordingError> {
-    let mut session = Session::default();
+    let mut session = Session { is_time_told: true, ..Session::default() };
     let mut first: Option<&Document> = None;
     for document in documents {
-        let (sheet, before) = (Sheet::new(document), session.raw.events.len());
+        let (sheet, before) = (Sheet::of_lines(document, Delimiter::Mark(b';')), session.raw.events.len());
         let mut ahead_ns = 0;
         let cut = sheet.lines(|cells| {
             let kind = cells.text(0);
@@ -57,7 +58,7 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, RecordingError> {
             };
             stream.add(time_ns, value, || [cells.place(TIME), cells.place(VALUE[0])])
         })?;
-        cut.iter().for_each(|why| session.cut_off(why));
+        session.notes.extend(cut);
         if session.raw.events.len() > before
             && let Some(first) = first.replace(document)
         {

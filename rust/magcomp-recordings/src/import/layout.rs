@@ -1,8 +1,9 @@
 //! Where a table's sensors are, and how they are read.
 
 use super::document::Document;
-use super::session::{Kind, Session};
+use super::session::Session;
 use super::sheet::{Cells, Sheet};
+use super::units::Kind;
 use crate::error::{Place, RecordingError};
 use crate::recording::Course;
 use crate::time::MOST_NS;
@@ -35,6 +36,10 @@ impl Time {
         }
     }
 
+    fn has(&self, column: usize) -> bool {
+        matches!(self, Self::Columns(parts) if parts.iter().any(|(part, _)| *part == column))
+    }
+
     /// The column that an error names.
     fn column(&self) -> usize {
         match self {
@@ -57,9 +62,20 @@ pub(super) struct Taken {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Layout {
     pub time: Time,
+    /// The unit of the times is known and not taken for granted.
+    pub is_time_told: bool,
     pub sensors: Vec<Taken>,
     pub attitude: Option<[usize; 4]>,
     pub course: Option<[usize; 2]>,
+}
+
+impl Layout {
+    /// Whether this column is read.
+    pub fn takes(&self, column: usize) -> bool {
+        let in_sensor =
+            |taken: &Taken| taken.columns.contains(&column) || taken.time.as_ref().is_some_and(|time| time.has(column));
+        self.time.has(column) || self.sensors.iter().any(in_sensor)
+    }
 }
 
 /// Reads a table into a session.
@@ -99,15 +115,18 @@ pub(super) fn read(document: &Document, layout: &Layout, session: &mut Session) 
         // a time that cannot be read is an error even in a row without events
         shared_ns.map(|_| ())
     })?;
-    cut.iter().for_each(|why| session.cut_off(why));
+    session.notes.extend(cut);
     Ok(())
 }
 
-/// The columns of a time such as `t`, `#1` or `secs+1e-9*nsecs`.
-pub(super) fn time(sheet: &Sheet<'_>, name: &str, unit_ns: i64) -> Result<Time, RecordingError> {
+/// The columns of a time such as `t`, `#1` or `secs+1e-9*nsecs`, in the unit that was given; else in the one that a name tells, else in seconds.
+pub(super) fn time(sheet: &Sheet<'_>, name: &str, given_ns: Option<i64>) -> Result<Time, RecordingError> {
     if sheet.column(name).is_some() || !name.contains(['+', '*']) {
-        return Ok(Time::Columns(vec![(sheet.required(name)?, unit_ns)]));
+        let column = sheet.required(name)?;
+        let unit_ns = given_ns.or_else(|| sheet.time_unit(column)).unwrap_or(SECOND_NS);
+        return Ok(Time::Columns(vec![(column, unit_ns)]));
     }
+    let unit_ns = given_ns.unwrap_or(SECOND_NS);
     let mut parts = Vec::new();
     for part in split_sum(name) {
         let (factor, column) = match part.split_once('*') {

@@ -7,7 +7,7 @@ use super::options::ImportOptions;
 use super::ros::read_bags;
 use super::session::{Session, Summary};
 use super::sheet::{Sheet, header_of};
-use super::{gnss_logger, ipin, matlab, names, phyphox, plain, plausible, sensor_logger};
+use super::{gnss_logger, ipin, matlab, names, phyphox, plain, plausible, sensor_logger, typed};
 use crate::error::{Place, RecordingError};
 use crate::place::Day;
 use crate::recording::{Events, name_of};
@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// The loggers that are accepted, for messages.
-const LOGGERS: &str = "Sensor Logger, phyphox, GnssLogger, GetSensorData, MATLAB Mobile";
+const LOGGERS: &str = "Sensor Logger, phyphox, GnssLogger, GetSensorData, MATLAB Mobile, AndroSensor, SensorLog";
 
 #[derive(Clone, Copy)]
 pub(super) enum App {
@@ -23,6 +23,7 @@ pub(super) enum App {
     Phyphox,
     GnssLogger,
     Ipin,
+    Typed,
     Matlab,
 }
 
@@ -32,6 +33,8 @@ pub(super) fn logger(documents: &[Document]) -> Option<App> {
         Some(App::GnssLogger)
     } else if documents.iter().any(ipin::is_log) {
         Some(App::Ipin)
+    } else if documents.iter().any(typed::is_log) {
+        Some(App::Typed)
     } else if any(sensor_logger::is_header) {
         Some(App::SensorLogger)
     } else if any(phyphox::is_header) {
@@ -65,7 +68,8 @@ pub(super) fn import_found(inputs: &[Input], options: &ImportOptions) -> Result<
     let Documents { read: mut documents, unreadable } = documents(inputs)?;
     documents.iter_mut().for_each(|document| document.skip_lines(options.skip));
     let found = if options.columns.is_some() || options.rate.is_some() { None } else { logger(&documents) };
-    if found.is_some() && (units.time_ns.is_some() || units.field.is_some() || units.rate.is_some()) {
+    let is_fixed = !matches!(found, None | Some(App::Typed));
+    if is_fixed && (units.time_ns.is_some() || units.field.is_some() || units.rate.is_some()) {
         let why = "the units of a logger's files are known; only a=... can be given, for the sign of the accelerometer";
         return Err(RecordingError::Usage(format!("--units: {why}")));
     }
@@ -77,9 +81,15 @@ pub(super) fn import_found(inputs: &[Input], options: &ImportOptions) -> Result<
         Some(App::Phyphox) => ("phyphox", phyphox::read(&documents)?),
         Some(App::GnssLogger) => ("GnssLogger", gnss_logger::read(&documents)?),
         Some(App::Ipin) => ("GetSensorData", ipin::read(&documents)?),
+        Some(App::Typed) => ("typed lines", typed::read(&documents, &units)?),
         Some(App::Matlab) => ("MATLAB Mobile", matlab::read(&documents)?),
         None => (plain_name(&documents), plain_session(&mut documents, options)?),
     };
+    for document in documents.iter().filter(|document| document.is_cut) {
+        let text =
+            "the file is cut off, as that of an app that was ended while it wrote; what is before the cut was read";
+        session.notes.push(format!("{}: {text}", document.path.display()));
+    }
     for why in unreadable {
         if session.raw.events.is_empty() {
             return Err(why);
@@ -111,7 +121,7 @@ fn finish(
     session.require_magnetometer(name, inputs)?;
     session.shift(&options.shift.unwrap_or_default());
     session.order(&options.frame.unwrap_or_default(), options.session, options.force)?;
-    let more = plausible::check(&session)?;
+    let more = plausible::check(&mut session)?;
     session.warnings.extend(more);
     let conventions = session.conventions();
     let day = session.begun_unix_ns().and_then(Day::of_unix_ns);

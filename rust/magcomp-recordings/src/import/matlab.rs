@@ -5,25 +5,40 @@
 
 use super::dates;
 use super::document::Document;
+use super::names::sensor_of_stem;
+use super::plain::which_sensor;
 use super::session::Session;
 use super::sheet::{Cells, Sheet};
 use super::stream::Stream;
+use super::units::Kind;
 use crate::error::RecordingError;
 use magcomp::nalgebra::Vector3;
+
+/// Tables of the app that are no sensor's.
+const NO_SENSORS: [&str; 3] = ["orient", "position", "lin"];
 
 pub(super) fn is_header(header: &[String]) -> bool {
     ["Timestamp", "X", "Y", "Z"].iter().all(|name| header.iter().any(|column| column == name))
 }
 
 pub(super) fn read(documents: &[Document]) -> Result<Session, RecordingError> {
-    let mut session = Session::default();
-    let find = |stem: &str| documents.iter().find(|document| document.stem() == stem);
-    if let Some(field) = find("magneticfield") {
-        session.raw = stream(field)?;
-    }
-    for (name, stem) in [("gyroscope", "angularvelocity"), ("accelerometer", "acceleration")] {
-        if let Some((_, stream)) = session.optional(name, &[find(stem)], stream) {
-            *(if name == "gyroscope" { &mut session.rate } else { &mut session.up }) = stream;
+    let mut session = Session { is_time_told: true, ..Session::default() };
+    let mut owners: [Option<&Document>; 4] = [None; 4];
+    for document in documents {
+        let stem = document.stem();
+        let Some(kind) = sensor_of_stem(&stem) else {
+            let is_table = is_header(&Sheet::new(document).header);
+            if is_table && !NO_SENSORS.iter().any(|name| stem.contains(name)) {
+                session.leave_out("unknown", which_sensor(document));
+            }
+            continue;
+        };
+        if let Some(before) = owners[kind as usize].replace(document) {
+            return Err(RecordingError::several(&before.path, &document.path));
+        }
+        match stream(document) {
+            Err(why) if kind != Kind::Field => session.leave_out(kind.word(), why),
+            found => *session.stream(kind) = found?,
         }
     }
     if !session.raw.events.is_empty() {

@@ -36,6 +36,7 @@ mod sensor_logger;
 mod session;
 mod sheet;
 mod stream;
+mod typed;
 mod units;
 
 pub use make::import;

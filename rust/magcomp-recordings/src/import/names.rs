@@ -2,87 +2,83 @@
 
 use super::document::Document;
 use super::layout::{Layout, SECOND_NS, Taken, Time};
-use super::session::Kind;
 use super::sheet::Sheet;
-use super::units::{GRAVITY_M_S2, Units};
+use super::units::{GRAVITY_M_S2, Kind, LeftOver, Units, parted, sensor_of_unit, written_factor};
 
 /// Ends of a sensor's word, behind which its axis may stand without a mark.
 const SENSOR_ENDS: [&str; 9] = ["mag", "magn", "meter", "field", "acc", "accel", "gyr", "gyro", "scope"];
 
+/// Names of one or two letters before the axis: sensor, factor where the name implies one, and rank. The acceleration in g of `gFx` has gravity in
+/// it, that of `ax` beside it has none.
+const SHORT: [(&str, Kind, Option<f64>, u8); 6] = [
+    ("gf", Kind::Up, Some(GRAVITY_M_S2), 3),
+    ("m", Kind::Field, None, 2),
+    ("a", Kind::Up, None, 2),
+    ("g", Kind::Rate, None, 2),
+    ("w", Kind::Rate, None, 2),
+    ("b", Kind::Field, None, 1),
+];
+/// The rank of a name with the word of an uncalibrated sensor.
+const BEST: u8 = 8;
+/// A name that holds one of these is of no sensor that is read, or of something that was made of one.
+const OTHERS: [&str; 11] =
+    ["linear", "user", "heading", "orient", "bias", "offset", "drift", "accuracy", "time", "norm", "total"];
+
 /// What a column's name says: a sensor and its axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Named {
-    kind: Kind,
-    axis: usize,
+pub(super) struct Named {
+    pub kind: Kind,
+    pub axis: usize,
     /// uT, m/s^2 or rad/s in its unit; none where the name has no unit that is known.
-    factor: Option<f64>,
+    pub factor: Option<f64>,
     /// The more, the better it is among columns of one sensor and axis.
     rank: u8,
+    is_uncalibrated: bool,
 }
 
-/// A name in small letters, without its unit, and the unit.
-fn unit_of(name: &str) -> (String, Option<String>) {
-    let name = name.trim().to_lowercase();
-    let closing = [('(', ')'), ('[', ']')];
-    let found = closing.iter().find_map(|(open, close)| {
-        let (before, rest) = name.split_once(*open)?;
-        Some((before.trim().to_owned(), rest.split(*close).next()?.trim().to_owned()))
-    });
-    found.map_or((name, None), |(before, unit)| (before, Some(unit)))
-}
-
-fn named(name: &str) -> Option<Named> {
-    let (text, unit) = unit_of(name);
-    let kind = sensor_in(&text)?;
-    if ["bias", "offset", "drift", "accuracy", "time", "norm", "total"].iter().any(|word| text.contains(word)) {
+/// What the name of a column says: by the sensor's word in it, else by its unit, else by its letter.
+pub(super) fn named(name: &str) -> Option<Named> {
+    let (text, unit) = parted(name);
+    let unit = unit.unwrap_or_default();
+    if OTHERS.iter().any(|word| text.contains(word)) {
         return None;
     }
     let last = text.chars().last()?;
     let axis = ['x', 'y', 'z'].iter().position(|axis| *axis == last)?;
-    // "x" alone, the capital of "magnetometerX", or right behind the sensor's word, but not the end of "mag_max"
     let before = &text[..text.len() - 1];
+    let is_uncalibrated = text.contains("uncal");
+    if let Some((_, kind, implied, rank)) = SHORT.into_iter().find(|(letters, ..)| *letters == before) {
+        let factor = written_factor(kind, &unit).or(implied);
+        return Some(Named { kind, axis, factor, rank, is_uncalibrated });
+    }
+    let by_word = sensor_in(&text);
+    let kind = by_word.or_else(|| sensor_of_unit(&unit))?;
+    // "x" alone, the capital of "magnetometerX", or right behind the sensor's word, but not the end of "mag_max"
     let capital = name.trim().split(['(', '[']).next()?.trim().ends_with(['X', 'Y', 'Z']);
     let is_behind_word = SENSOR_ENDS.iter().any(|end| before.ends_with(end));
     if before.ends_with(char::is_alphabetic) && !capital && !is_behind_word {
         return None;
     }
-    let unit = unit.unwrap_or_default();
-    let factor = match kind {
-        Kind::Field | Kind::System => match unit.as_str() {
-            "nt" => Some(1e-3),
-            "mt" => Some(1e3),
-            "t" => Some(1e6),
-            "g" | "gauss" => Some(100.0),
-            "mg" | "mgauss" => Some(0.1),
-            // the micro sign has two code points, and one more in files of other encodings
-            _ if unit.ends_with('t') && unit.chars().count() == 2 => Some(1.0),
-            _ => None,
-        },
-        Kind::Rate => match unit.as_str() {
-            "rad/s" => Some(1.0),
-            "deg/s" | "dps" | "°/s" => Some(std::f64::consts::PI / 180.0),
-            _ => None,
-        },
-        Kind::Up => match unit.as_str() {
-            "m/s²" | "m/s^2" | "m/s2" | "m/s/s" => Some(1.0),
-            "g" => Some(GRAVITY_M_S2),
-            _ if unit.starts_with("m/s") => Some(1.0),
-            _ => None,
-        },
+    let rank = match by_word {
+        None => 4,
+        Some(_) => {
+            5 + u8::from(is_uncalibrated) + u8::from(!text.contains("grav")) + u8::from(!text.starts_with("motion"))
+        }
     };
-    let rank =
-        u8::from(text.contains("uncal")) + u8::from(!text.contains("grav")) + u8::from(!text.starts_with("motion"));
-    Some(Named { kind, axis, factor, rank })
+    Some(Named { kind, axis, factor: written_factor(kind, &unit), rank, is_uncalibrated })
 }
 
-/// The sensor that a text names.
-fn sensor_in(text: &str) -> Option<Kind> {
-    let has = |words: &[&str]| words.iter().any(|word| text.contains(word));
+/// The sensor that a text in small letters names.
+pub(super) fn sensor_in(text: &str) -> Option<Kind> {
+    // angular velocity as `ang_vel`, `ang. vel.` or `angVel`
+    let letters: String = text.chars().filter(|letter| letter.is_alphanumeric()).collect();
+    let letters = letters.replace("magnitude", "");
+    let has = |words: &[&str]| words.iter().any(|word| letters.contains(word));
     if has(&["linear", "user", "heading", "orient"]) {
         None
     } else if has(&["mag"]) {
         Some(Kind::Field)
-    } else if has(&["gyr", "angular", "angvel", "rotationrate", "rotation_rate", "rotation rate"]) {
+    } else if has(&["gyr", "angular", "angvel", "angrate", "rotationrate", "rotrate", "turnrate"]) {
         Some(Kind::Rate)
     } else if has(&["acc", "grav"]) {
         Some(Kind::Up)
@@ -96,19 +92,19 @@ pub(super) fn sensor_of_stem(stem: &str) -> Option<Kind> {
     if stem.contains("lin") { None } else { sensor_in(stem) }
 }
 
-/// Units of time that a name tells, ns.
-fn time_unit(name: &str) -> Option<i64> {
-    let (text, unit) = unit_of(name);
-    let of = |unit: &str| match unit {
-        "s" | "sec" | "secs" | "seconds" => Some(SECOND_NS),
-        "ms" | "millis" | "milliseconds" => Some(1_000_000),
-        "us" | "µs" | "μs" | "micros" | "microseconds" => Some(1000),
-        "ns" | "nanos" | "nanoseconds" | "nsec" => Some(1),
-        _ => None,
-    };
-    let last = text.rsplit(|c: char| !c.is_alphanumeric()).find(|word| !word.is_empty()).unwrap_or_default();
-    let ending = ["nanos", "millis", "micros"].into_iter().find(|ending| text.ends_with(ending));
-    unit.as_deref().and_then(of).or_else(|| of(last)).or_else(|| of(ending?))
+/// Sensors of a table whose columns were not taken: the sensor, the first such column, and how many there are of it.
+pub(super) fn left_over(header: &[String], is_taken: impl Fn(usize) -> bool) -> Vec<LeftOver> {
+    let mut found: Vec<LeftOver> = Vec::new();
+    for (_, name) in header.iter().enumerate().filter(|(column, _)| !is_taken(*column)) {
+        let Some(named) = named(name) else { continue };
+        match found.iter_mut().find(|(kind, ..)| *kind == named.kind) {
+            Some((.., count)) => *count += 1,
+            None => found.push((named.kind, name.clone(), 1)),
+        }
+    }
+    // an axis alone is no sensor
+    found.retain(|(.., count)| *count >= 3);
+    found
 }
 
 /// How much of a table a header tells: the columns of sensors.
@@ -130,52 +126,60 @@ pub(super) fn guess(document: &Document, units: &Units, rate_hz: Option<f64>) ->
         let column = header.iter().position(|name| name.starts_with(&format!("{start}Timestamp_sinceReboot")))?;
         Some(Time::Columns(vec![(column, SECOND_NS)]))
     };
+    let factor_of = |kind, column: usize, implied: Option<f64>| {
+        let written = || sheet.unit(column).and_then(|unit| written_factor(kind, &unit));
+        units.factor(kind).or_else(written).or(implied).unwrap_or(1.0)
+    };
     let mut sensors = Vec::new();
     for (kind, start) in [(Kind::Field, "magnetometer"), (Kind::Up, "accelerometer"), (Kind::Rate, "gyro")] {
-        let axis = |axis: usize| {
-            let columns = header.iter().enumerate().filter_map(|(column, name)| Some((column, named(name)?)));
-            let fitting = columns.filter(|(_, named)| named.kind == kind && named.axis == axis);
-            // of equal ones the first
-            fitting.min_by_key(|(column, named)| (u8::MAX - named.rank, *column))
-        };
-        let Some(axes) = axis(0).zip(axis(1)).zip(axis(2)).map(|((x, y), z)| [x, y, z]) else { continue };
-        let named_factor = axes[0].1.factor.unwrap_or(1.0) * if is_ios && kind == Kind::Up { -1.0 } else { 1.0 };
-        let given = factor_of(kind, units);
+        let Some((columns, best)) = triple(header, |named| named.kind == kind) else { continue };
+        let sign = if is_ios && kind == Kind::Up && units.acceleration.is_none() { -1.0 } else { 1.0 };
+        let factor = sign * factor_of(kind, columns[0], best.factor);
         let time = if is_ios { own_time(start) } else { None };
-        let columns = axes.map(|(column, _)| column);
-        sensors.push(Taken { kind, columns, factor: given.unwrap_or(named_factor), time });
+        sensors.push(Taken { kind, columns, factor, time });
+        if kind == Kind::Field
+            && best.is_uncalibrated
+            && let Some((columns, best)) = triple(header, |named| named.kind == kind && !named.is_uncalibrated)
+        {
+            let factor = factor_of(kind, columns[0], best.factor);
+            sensors.push(Taken { kind: Kind::System, columns, factor, time: None });
+        }
     }
     if sensors.is_empty() {
-        let axis = |axis: &str| header.iter().position(|name| unit_of(name).0 == axis);
+        let axis = |axis: &str| header.iter().position(|name| parted(name).0 == axis);
         let columns = [axis("x")?, axis("y")?, axis("z")?];
         let kind = sensor_of_stem(&document.stem())?;
-        sensors.push(Taken { kind, columns, factor: factor_of(kind, units).unwrap_or(1.0), time: None });
+        sensors.push(Taken { kind, columns, factor: factor_of(kind, columns[0], None), time: None });
     }
-    let time = match (rate_hz, sensors.iter().find_map(|taken| taken.time.clone())) {
-        (Some(hz), _) => Time::Rate(hz),
-        (None, Some(own)) => own,
+    let (time, is_time_told) = match (rate_hz, sensors.iter().find_map(|taken| taken.time.clone())) {
+        (Some(hz), _) => (Time::Rate(hz), true),
+        (None, Some(own)) => (own, true),
         (None, None) => {
             let column = time_column(header)?;
-            let unit_ns = units.time_ns.or_else(|| time_unit(&header[column]));
-            Time::Columns(vec![(column, unit_ns.or_else(|| step_unit(&sheet, column)).unwrap_or(SECOND_NS))])
+            let told_ns = units.time_ns.or_else(|| sheet.time_unit(column));
+            let unit_ns = told_ns.or_else(|| step_unit(&sheet, column)).unwrap_or(SECOND_NS);
+            (Time::Columns(vec![(column, unit_ns)]), told_ns.is_some() || sheet.has_dates(column))
         }
     };
-    Some(Layout { time, sensors, attitude: None, course: None })
+    Some(Layout { time, is_time_told, sensors, attitude: None, course: None })
 }
 
-/// The factor of a sensor's unit that was given.
-pub(super) fn factor_of(kind: Kind, units: &Units) -> Option<f64> {
-    match kind {
-        Kind::Field | Kind::System => units.field,
-        Kind::Up => units.acceleration,
-        Kind::Rate => units.rate,
-    }
+/// The best of the columns of a sensor whose three axes are all there, and what its name says; of equal ones the first.
+fn triple(header: &[String], fits: impl Fn(&Named) -> bool) -> Option<([usize; 3], Named)> {
+    let all = header.iter().enumerate().filter_map(|(column, name)| Some((column, named(name)?)));
+    let fitting: Vec<(usize, Named)> = all.filter(|(_, named)| fits(named)).collect();
+    let of_rank = |rank: u8| {
+        let axis = |axis: usize| fitting.iter().find(|(_, named)| named.rank == rank && named.axis == axis);
+        let (x, y, z) = (axis(0)?, axis(1)?, axis(2)?);
+        Some(([x.0, y.0, z.0], x.1))
+    };
+    (0..=BEST).rev().find_map(of_rank)
 }
 
 /// The column of the time: the one that is named so most plainly.
 fn time_column(header: &[String]) -> Option<usize> {
     let rank = |name: &String| {
-        let (text, _) = unit_of(name);
+        let (text, _) = parted(name);
         match text.as_str() {
             "t" | "time" | "timestamp" | "t_s" | "time_s" | "seconds_elapsed" => Some(0),
             _ if text.contains("elapsed")
@@ -194,7 +198,7 @@ fn time_column(header: &[String]) -> Option<usize> {
     ranked.min().map(|(_, column)| column)
 }
 
-/// The unit in which the first steps of a time are those of a sensor: the one nearest to 10 ms; none of a date.
+/// The unit in which the first steps of a table's time are those of a sensor; none of a date.
 fn step_unit(sheet: &Sheet<'_>, column: usize) -> Option<i64> {
     let mut times = Vec::new();
     let _ = sheet.rows(|cells| {
@@ -202,6 +206,11 @@ fn step_unit(sheet: &Sheet<'_>, column: usize) -> Option<i64> {
         times.push(time);
         if times.len() < 200 { Ok(()) } else { Err(cells.wrong(column, "enough")) }
     });
+    unit_of_steps(&times)
+}
+
+/// The unit in which the usual step of these times comes nearest to 10 ms; none where no time is later than the one before.
+pub(super) fn unit_of_steps(times: &[f64]) -> Option<i64> {
     let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
     steps.sort_by(f64::total_cmp);
     let step = *steps.get(steps.len() / 2)?;
@@ -211,6 +220,7 @@ fn step_unit(sheet: &Sheet<'_>, column: usize) -> Option<i64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::units::time_unit;
     use super::*;
 
     #[test]

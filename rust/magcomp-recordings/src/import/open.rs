@@ -4,6 +4,7 @@ use super::document::Document;
 use super::forms::is_packed;
 use super::input::Input;
 use super::make::{import_found, logger};
+use super::names::left_over;
 use super::options::ImportOptions;
 use super::plausible;
 use super::session::{Session, Summary};
@@ -13,7 +14,7 @@ use crate::error::RecordingError;
 use crate::place::{Day, GeoPoint};
 use crate::recording::{Events, Line, Row, Source, Text, text, unzipped};
 use std::io::Read;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Bytes at the beginning of a file that show its form.
 const START: u64 = 4096;
@@ -85,8 +86,8 @@ fn either<T>(
         return session(found);
     }
     match recording(input) {
-        // rows out of order, rounded times, a last row that is cut: the importer tells what it mends
-        Err(why @ RecordingError::Form { .. }) => match session(found) {
+        // rows out of order, rounded times, an end that is cut: the importer tells what it mends
+        Err(why @ (RecordingError::Form { .. } | RecordingError::Read { .. })) => match session(found) {
             Ok(opened) => Ok(opened),
             Err(several @ RecordingError::Several { .. }) => Err(several),
             // what was lost, and how to take it all the same
@@ -102,7 +103,7 @@ fn open_recording(input: &Input) -> Result<Opened, RecordingError> {
     let mut beginning = Session::default();
     let source = Source::of(&input.path, content.again().map_err(RecordingError::read(&input.path))?)?;
     read_lines(&mut text(&input.path, &content)?, &mut beginning, LOOKED_AT)?;
-    let (warnings, conventions) = checked(&beginning)?;
+    let (warnings, conventions) = checked(&input.path, &mut beginning)?;
     let day = Day::of_unix_ns(source.extent().start_ns);
     Ok(Opened { source, session: None, warnings, conventions, day, position: None })
 }
@@ -112,7 +113,7 @@ fn load_recording(input: &Input) -> Result<Loaded, RecordingError> {
     let mut text = text(&input.path, &input.open()?)?;
     let mut session = Session::default();
     read_lines(&mut text, &mut session, LOOKED_AT)?;
-    let checked = checked(&session);
+    let checked = checked(&input.path, &mut session);
     read_lines(&mut text, &mut session, usize::MAX)?;
     if session.raw.events.is_empty() {
         return Err(RecordingError::Empty { path: input.path.clone(), what: "a header but no rows" });
@@ -135,6 +136,7 @@ fn read_lines(text: &mut Text, session: &mut Session, most: usize) -> Result<(),
     session.up.first.get_or_insert([time.clone(), up]);
     session.rate.first.get_or_insert([time.clone(), rate]);
     session.system.first.get_or_insert([time, system]);
+    session.left_over.get_or_insert_with(|| left_over(text.header(), |column| text.takes(column)));
     while session.raw.events.len() < most {
         let Some(line) = text.line()? else { break };
         let Line { field_ut, row } = line;
@@ -150,11 +152,15 @@ fn read_lines(text: &mut Text, session: &mut Session, most: usize) -> Result<(),
 }
 
 /// Warnings of a recording's first rows and its conventions; none where it is too short to tell.
-fn checked(beginning: &Session) -> Result<(Vec<String>, Conventions), RecordingError> {
+fn checked(path: &Path, beginning: &mut Session) -> Result<(Vec<String>, Conventions), RecordingError> {
     if beginning.raw.events.len() < FEWEST {
         return Ok(Default::default());
     }
-    Ok((plausible::check(beginning)?, beginning.conventions()))
+    let mut warnings = plausible::check(beginning)?;
+    let left = beginning.left_over.take().unwrap_or_default();
+    beginning.tell_left_over(path, &left);
+    warnings.append(&mut beginning.warnings);
+    Ok((warnings, beginning.conventions()))
 }
 
 /// Whether the input must be imported.

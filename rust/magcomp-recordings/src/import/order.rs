@@ -56,54 +56,77 @@ pub(super) struct Order {
 }
 
 impl Order {
-    /// Adds notes and warnings about it.
-    ///
-    /// # Errors
-    /// [`RecordingError::Usage`] where most of the events would be lost, unless that is wanted.
-    pub fn tell(
-        &self,
-        name: &str,
-        force: bool,
-        notes: &mut Vec<String>,
-        warnings: &mut Vec<String>,
-    ) -> Result<(), RecordingError> {
-        let all = self.events;
-        let percent = |count: usize| 100.0 * count as f64 / all.max(1) as f64;
-        let is_loud = |count: usize, share: f64| count >= FEWEST && percent(count) > 100.0 * share;
-        if let Some((count, step_ns)) = self.spread {
-            let (step_s, share) = (step_ns as f64 / 1e9, percent(count));
-            warnings.push(format!(
-                "{name}: the times are rounded to {step_s} s: {count} of {all} events ({share:.0} %) shared theirs with others and were \
-                 spread evenly over it; save the times with more digits (a spreadsheet rounds them)"
-            ));
-        }
-        let counts = [
-            (
-                self.late,
-                "were older than the one before; all were put in order",
-                "write each with the sensor's own time",
-            ),
-            (self.repeated, "repeated the time of another and were left out", "they repeated its value too"),
-            (
-                self.lost,
-                "had the time of another with another value and were left out",
-                "are two sensors in one file, or are the times those of arrival?",
-            ),
-        ];
-        for (k, (count, what, more)) in counts.into_iter().enumerate() {
-            let (text, share) = (format!("{name}: {count} events {what}"), percent(count));
-            if k == 2 && is_loud(count, MOST) && !force {
-                let why = format!("{text}: {share:.0} % of {all}; {more} --force takes what is left");
-                return Err(RecordingError::Usage(why));
-            }
-            if is_loud(count, LOUD) {
-                warnings.push(format!("{text}: {share:.0} % of {all}; {more}"));
-            } else if count > 0 {
-                notes.push(text);
-            }
-        }
-        Ok(())
+    fn percent(&self, count: usize) -> f64 {
+        100.0 * count as f64 / self.events.max(1) as f64
     }
+
+    fn is_loud(&self, count: usize, share: f64) -> bool {
+        count >= FEWEST && self.percent(count) > 100.0 * share
+    }
+}
+
+/// Notes and warnings about what became of the sensors' events, of each kind one for all sensors.
+///
+/// # Errors
+/// [`RecordingError::Usage`] where most of a sensor's events would be lost, unless that is wanted.
+pub(super) fn tell(
+    orders: &[(&str, Order)],
+    force: bool,
+    notes: &mut Vec<String>,
+    warnings: &mut Vec<String>,
+) -> Result<(), RecordingError> {
+    type Count = fn(&Order) -> usize;
+    // from the least share to the largest, of the sensors that a sentence is about
+    let shares = |of: &[(&str, Order)], count: Count| {
+        let percents = of.iter().map(|(_, order)| order.percent(count(order)));
+        let (low, high) = percents.fold((f64::MAX, 0.0_f64), |(low, high), it| (low.min(it), high.max(it)));
+        if high - low < 1.0 { format!("{high:.0} %") } else { format!("{low:.0} to {high:.0} %") }
+    };
+    let listed = |of: &[(&str, Order)]| of.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
+    let counted = |(name, order): &(&str, Order), count: Count| format!("{name} {}", count(order));
+    let rounded: Vec<(&str, Order)> = orders.iter().copied().filter(|(_, order)| order.spread.is_some()).collect();
+    if let Some(step_ns) = rounded.iter().filter_map(|(_, order)| Some(order.spread?.1)).max() {
+        let share = shares(&rounded, |order| order.spread.map_or(0, |(count, _)| count));
+        warnings.push(format!(
+            "{}: the times are rounded to {} s: {share} of the events shared theirs with others and were spread evenly over it; save the times with \
+             more digits (a spreadsheet rounds them)",
+            listed(&rounded),
+            step_ns as f64 / 1e9
+        ));
+    }
+    let kinds: [(Count, &str, &str); 3] = [
+        (
+            |order| order.late,
+            "were older than the one before; all were put in order",
+            "write each with the sensor's own time",
+        ),
+        (|order| order.repeated, "repeated the time of another and were left out", "they repeated its value too"),
+        (
+            |order| order.lost,
+            "had the time of another with another value and were left out",
+            "are two sensors in one file, or are the times those of arrival?",
+        ),
+    ];
+    for (k, (count, what, more)) in kinds.into_iter().enumerate() {
+        if let Some((name, order)) =
+            orders.iter().find(|(_, order)| k == 2 && !force && order.is_loud(count(order), MOST))
+        {
+            let (lost, share, all) = (count(order), order.percent(count(order)), order.events);
+            let why = format!("{name}: {lost} events {what}: {share:.0} % of {all}; {more} --force takes what is left");
+            return Err(RecordingError::Usage(why));
+        }
+        let (loud, quiet): (Vec<_>, Vec<_>) = (orders.iter().copied())
+            .filter(|(_, order)| count(order) > 0)
+            .partition(|(_, order)| order.is_loud(count(order), LOUD));
+        if !loud.is_empty() {
+            warnings.push(format!("{}: {} of the events {what}; {more}", listed(&loud), shares(&loud, count)));
+        }
+        if !quiet.is_empty() {
+            let counts: Vec<String> = quiet.iter().map(|it| counted(it, count)).collect();
+            notes.push(format!("{} events {what}", counts.join(", ")));
+        }
+    }
+    Ok(())
 }
 
 impl<T: PartialEq> Stream<T> {
@@ -183,7 +206,7 @@ mod tests {
 
     fn told(order: Order, force: bool) -> Result<[Vec<String>; 2], String> {
         let (mut notes, mut warnings) = (Vec::new(), Vec::new());
-        order.tell("gyroscope", force, &mut notes, &mut warnings).map_err(|why| why.to_string())?;
+        tell(&[("gyroscope", order)], force, &mut notes, &mut warnings).map_err(|why| why.to_string())?;
         Ok([notes, warnings])
     }
 
@@ -215,10 +238,7 @@ mod tests {
         assert!(worst <= 20, "{worst}");
         assert!(stream.events.windows(2).all(|pair| pair[0].0 < pair[1].0));
         let [notes, warnings] = told(order, false).unwrap();
-        assert!(
-            notes.is_empty() && warnings[0].contains("rounded to 0.1 s: 1000 of 1500 events (67 %)"),
-            "{warnings:?}"
-        );
+        assert!(notes.is_empty() && warnings[0].contains("rounded to 0.1 s: 67 % of the events"), "{warnings:?}");
     }
 
     #[test]
@@ -226,10 +246,12 @@ mod tests {
         let shared =
             |from: i64| stream((0..100).flat_map(move |k| std::iter::repeat_n(7 * k, if k >= from { 2 } else { 1 })));
         let [notes, warnings] = told(shared(97).order(|_| ()), false).unwrap();
-        assert!(warnings.is_empty() && notes[0].contains("3 events had the time of another"), "{notes:?}");
+        assert!(warnings.is_empty() && notes[0].contains("gyroscope 3 events had the time of another"), "{notes:?}");
         let [notes, warnings] = told(shared(80).order(|_| ()), false).unwrap();
-        assert!(notes.is_empty() && warnings[0].contains("20 events had the time of another"), "{warnings:?}");
-        assert!(warnings[0].contains("left out: 17 % of 120"), "{warnings:?}");
+        assert!(
+            notes.is_empty() && warnings[0].starts_with("gyroscope: 17 % of the events had the time of another"),
+            "{warnings:?}"
+        );
         let mut thrice = stream((0..100).flat_map(|k| std::iter::repeat_n(7 * k, 3)));
         let order = thrice.order(|_| ());
         assert!(told(order, false).unwrap_err().contains("--force") && told(order, true).is_ok());
@@ -238,6 +260,22 @@ mod tests {
         let order = same.order(|_| ());
         assert_eq!((order.repeated, order.lost, same.events.len()), (50, 0, 50));
         let [_, warnings] = told(order, false).unwrap();
-        assert!(warnings[0].contains("50 events repeated"), "{warnings:?}");
+        assert!(warnings[0].contains("50 % of the events repeated"), "{warnings:?}");
+    }
+
+    #[test]
+    fn one_sentence_is_about_all_sensors() {
+        let shared = |count: i64| {
+            let times = (0..100).flat_map(move |k| std::iter::repeat_n(7 * k, if k >= 100 - count { 2 } else { 1 }));
+            stream(times).order(|_| ())
+        };
+        let (mut notes, mut warnings) = (Vec::new(), Vec::new());
+        let orders = [("magnetometer", shared(20)), ("accelerometer", shared(50)), ("gyroscope", shared(2))];
+        tell(&orders, false, &mut notes, &mut warnings).unwrap();
+        assert!(
+            warnings.len() == 1 && warnings[0].starts_with("magnetometer, accelerometer: 17 to 33 % of"),
+            "{warnings:?}"
+        );
+        assert!(notes.len() == 1 && notes[0].starts_with("gyroscope 2 events"), "{notes:?}");
     }
 }

@@ -6,8 +6,10 @@
 use super::document::Document;
 use super::fix::course;
 use super::layout::SECOND_NS;
-use super::session::{Kind, Session};
+use super::names::{Named, left_over, named};
+use super::session::Session;
 use super::sheet::Sheet;
+use super::units::Kind;
 use crate::error::RecordingError;
 use std::path::Path;
 
@@ -16,17 +18,9 @@ const SENSORS: [&str; 3] = ["magn", "gyro", "accel"];
 
 /// The sensor and axis that a column's name says: `Gyroscope y (rad/s)`.
 fn column(name: &str) -> Option<(Kind, usize)> {
-    let (what, unit) = name.strip_suffix(')')?.rsplit_once('(')?;
-    let axis =
-        ["x", "y", "z"].iter().position(|axis| what.to_lowercase().split_whitespace().next_back() == Some(axis))?;
-    // the micro sign has two code points, and one more in files of other encodings
-    let sensor = match unit {
-        "rad/s" => Kind::Rate,
-        "m/s^2" | "m/s²" => Kind::Up,
-        _ if unit.ends_with('T') && unit.chars().count() == 2 => Kind::Field,
-        _ => return None,
-    };
-    Some((sensor, axis))
+    let Named { kind, axis, factor, .. } = named(name)?;
+    // its units are those of this library
+    (factor == Some(1.0) && name.ends_with(')')).then_some((kind, axis))
 }
 
 /// Whether the acceleration in this column or file is without gravity.
@@ -74,12 +68,15 @@ impl Location {
     }
 }
 
+/// Whether a table has a time and sensors as phyphox writes them, and no sensor in another way.
 pub(super) fn is_header(header: &[String]) -> bool {
-    header.first().is_some_and(|name| name.ends_with("(s)")) && header.iter().any(|name| column(name).is_some())
+    header.first().is_some_and(|name| name.ends_with("(s)"))
+        && header.iter().any(|name| column(name).is_some())
+        && header.iter().all(|name| named(name).is_none() || column(name).is_some())
 }
 
 pub(super) fn read(documents: &[Document]) -> Result<Session, RecordingError> {
-    let mut session = Session::default();
+    let mut session = Session { is_time_told: true, ..Session::default() };
     let mut linear = false;
     for document in documents {
         let sheet = Sheet::new(document);
@@ -91,7 +88,9 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, RecordingError> {
                 if let Err(why) = location.read(&sheet, &mut session) {
                     session.leave_out(&document.stem(), why);
                 }
-            } else if SENSORS.iter().any(|name| document.stem().contains(name)) {
+            } else if SENSORS.iter().any(|name| document.stem().contains(name))
+                || !left_over(&sheet.header, |_| false).is_empty()
+            {
                 session.leave_out(
                     &document.stem(),
                     format!("{}: no header of phyphox, but {}", document.path.display(), sheet.shown()),
@@ -99,6 +98,7 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, RecordingError> {
             }
             continue;
         }
+        let mut taken = Vec::new();
         for sensor in [Kind::Field, Kind::Rate, Kind::Up] {
             let axis = |wanted: usize| {
                 let has = |name: &String| column(name) == Some((sensor, wanted)) && !is_linear(name);
@@ -112,6 +112,7 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, RecordingError> {
                 linear = true;
                 continue;
             }
+            taken.extend(axes);
             let stream = session.stream(sensor);
             if !stream.events.is_empty() {
                 let before = stream.first.as_ref().map_or(Path::new("another file"), |[place, _]| &place.path);
@@ -121,6 +122,10 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, RecordingError> {
                 Err(why) if sensor != Kind::Field => session.leave_out(&document.stem(), why),
                 found => *stream = found?,
             }
+        }
+        if !is_linear(&document.stem()) {
+            let left = left_over(&sheet.header, |column| taken.contains(&column));
+            session.tell_left_over(&document.path, &left);
         }
     }
     if !session.raw.events.is_empty() {

@@ -2,12 +2,14 @@
 //! one session, but no two of them the same sensor.
 
 use super::document::Document;
-use super::layout::{self, Layout, SECOND_NS, Taken, Time};
-use super::names::{factor_of, guess, sensor_of_stem};
+use super::layout::{self, Layout, Taken, Time};
+use super::names::{guess, left_over, sensor_of_stem};
 use super::options::{ColumnNames, ImportOptions};
-use super::session::{Kind, Session};
+use super::session::Session;
 use super::sheet::{Sheet, header_of};
+use super::units::{Kind, written_factor};
 use crate::error::{Place, RecordingError};
+use crate::recording::name_of;
 
 /// Whether a file has a time and some sensor under these names.
 pub(super) fn is_header(header: &[String], names: &ColumnNames, has_rate: bool) -> bool {
@@ -23,26 +25,39 @@ pub(super) fn is_recording(header: &[String]) -> bool {
 }
 
 pub(super) fn read(documents: &mut [Document], options: &ImportOptions) -> Result<Session, RecordingError> {
-    let names = options.columns.clone().unwrap_or_default();
-    let (numbers, has_rate) = (names.are_numbers(), options.rate.is_some());
+    let common = options.columns.clone().unwrap_or_default();
+    if let Some(file) = common.unknown_file(documents.iter().map(|document| document.path.as_path())) {
+        let files: Vec<String> = documents.iter().map(|document| name_of(&document.path)).collect();
+        return Err(RecordingError::Usage(format!(
+            "--columns {file}:...: no such file; there are {}",
+            files.join(", ")
+        )));
+    }
+    let names_of = |document: &Document| common.of_file(&document.path).unwrap_or_else(|| common.clone());
+    let has_rate = options.rate.is_some();
     for document in documents.iter_mut() {
         // titles before the table: those before its names, or before numbers where the columns are numbers
         let digits = |header: &[String]| {
             header.len() > 1 && header.iter().all(|cell| cell.replace(',', ".").parse::<f64>().is_ok())
         };
+        let names = names_of(document);
+        let numbers = names.are_numbers();
         document.begin_at(|line| {
             let header = header_of(line);
             if numbers { digits(&header) } else { is_header(&header, &names, has_rate) }
         });
     }
-    let mut session = Session::default();
-    let stems = by_stems(documents, &names, options);
+    let mut session = Session { is_time_told: true, ..Session::default() };
+    let stems = by_stems(documents, &common, options)?;
     let mut owners: [Option<&Document>; 4] = [None; 4];
+    let mut not_taken = Vec::new();
     for (k, document) in documents.iter().enumerate() {
         let is_alone = documents.len() == 1;
-        let layout = match &stems {
-            Some(kinds) => by_names(document, &names, options).map(|layout| Layout {
-                sensors: layout.sensors.into_iter().take(1).map(|taken| Taken { kind: kinds[k], ..taken }).collect(),
+        let names = names_of(document);
+        let by_stem = stems.as_ref().and_then(|kinds| kinds[k]);
+        let layout = match by_stem {
+            Some(kind) => by_names(document, &names, options).map(|layout| Layout {
+                sensors: layout.sensors.into_iter().take(1).map(|taken| Taken { kind, ..taken }).collect(),
                 ..layout
             }),
             None => layout_of(document, &names, options, &mut session.notes),
@@ -60,10 +75,12 @@ pub(super) fn read(documents: &mut [Document], options: &ImportOptions) -> Resul
                         return Err(RecordingError::several(&before.path, &document.path));
                     }
                 }
+                session.is_time_told &= layout.is_time_told;
+                not_taken.push((document, left_over(&header, |column| layout.takes(column))));
                 session.take(part);
             }
             // the others can be done without
-            Err(why) if needed || matches!(&stems, Some(kinds) if kinds[k] == Kind::Field) => return Err(why),
+            Err(why) if needed || by_stem == Some(Kind::Field) => return Err(why),
             Err(why) => {
                 let guessed = guess(document, &options.units.unwrap_or_default(), options.rate);
                 if guessed.as_ref().is_some_and(has_field) {
@@ -73,12 +90,11 @@ pub(super) fn read(documents: &mut [Document], options: &ImportOptions) -> Resul
             }
         }
     }
+    not_taken.iter().for_each(|(document, sensors)| session.tell_left_over(&document.path, sensors));
     if let Some(kinds) = &stems {
-        let told: Vec<String> = documents
-            .iter()
-            .zip(kinds)
-            .map(|(document, kind)| format!("{}: {}", document.path.display(), kind.word()))
-            .collect();
+        let named = documents.iter().zip(kinds).filter_map(|(document, kind)| Some((document, (*kind)?)));
+        let told: Vec<String> =
+            named.map(|(document, kind)| format!("{}: {}", document.path.display(), kind.word())).collect();
         session.notes.push(format!(
             "the files' names tell the sensors, because all have the same columns ({})",
             told.join("; ")
@@ -87,18 +103,58 @@ pub(super) fn read(documents: &mut [Document], options: &ImportOptions) -> Resul
     Ok(session)
 }
 
-/// The sensors of files that all have the columns named for one sensor, and names that tell different sensors.
-fn by_stems(documents: &[Document], names: &ColumnNames, options: &ImportOptions) -> Option<Vec<Kind>> {
+/// The sensors of files that all have the columns named for one sensor, by the files' names; none of a file that has names of its own. None
+/// at all where there is one file, or each has columns of its own.
+///
+/// # Errors
+/// The files whose names tell no sensor, or one that another has.
+fn by_stems(
+    documents: &[Document],
+    names: &ColumnNames,
+    options: &ImportOptions,
+) -> Result<Option<Vec<Option<Kind>>>, RecordingError> {
     if documents.len() < 2 || options.columns.is_none() {
-        return None;
+        return Ok(None);
     }
     let has_all = |document: &Document| {
         let header = Sheet::new(document).header;
         names.names[1..4].iter().all(|name| header.contains(name))
     };
-    let kinds: Vec<Kind> = documents.iter().map(|document| sensor_of_stem(&document.stem())).collect::<Option<_>>()?;
-    let differ = (0..kinds.len()).all(|k| !kinds[..k].contains(&kinds[k]));
-    (differ && documents.iter().all(has_all)).then_some(kinds)
+    let is_alike = |document: &Document| names.of_file(&document.path).is_none() && has_all(document);
+    let alike: Vec<&Document> = documents.iter().filter(|document| is_alike(document)).collect();
+    if alike.len() < 2 {
+        return Ok(None);
+    }
+    let kind_of = |document: &Document| sensor_of_stem(&document.stem()).filter(|_| is_alike(document));
+    let kinds: Vec<Option<Kind>> = documents.iter().map(kind_of).collect();
+    let known = || documents.iter().zip(&kinds).filter_map(|(document, kind)| Some((document, (*kind)?)));
+    for (k, (document, kind)) in known().enumerate() {
+        if let Some((before, _)) = known().take(k).find(|(_, before)| *before == kind) {
+            return Err(RecordingError::several(&before.path, &document.path));
+        }
+    }
+    if known().next().is_none() {
+        return Err(RecordingError::several(&alike[0].path, &alike[1].path));
+    }
+    match alike.into_iter().find(|document| kind_of(document).is_none()) {
+        Some(document) => Err(RecordingError::Usage(which_sensor(document))),
+        None => Ok(Some(kinds)),
+    }
+}
+
+/// Asks for the sensor of a file whose name does not tell it.
+pub(super) fn which_sensor(document: &Document) -> String {
+    let name = name_of(&document.path);
+    let header = Sheet::new(document).header;
+    let column = |axis: &str| {
+        let found = header.iter().find(|column| column.eq_ignore_ascii_case(axis));
+        found.cloned().unwrap_or_else(|| axis.to_owned())
+    };
+    let [x, y, z] = ["x", "y", "z"].map(column);
+    format!(
+        "{}: which sensor is it? rename it to mag.csv, acc.csv or gyr.csv, or say it behind --columns t=NAME,...: {name}:gx={x},gy={y},gz={z} for          a gyroscope (ax,ay,az accelerometer, mx,my,mz magnetometer)",
+        document.path.display()
+    )
 }
 
 fn layout_of(
@@ -123,13 +179,22 @@ fn by_names(document: &Document, names: &ColumnNames, options: &ImportOptions) -
     let sheet = Sheet::new(document);
     let time = match options.rate {
         Some(hz) => Time::Rate(hz),
-        None => layout::time(&sheet, &names.names[0], units.time_ns.unwrap_or(SECOND_NS))?,
+        None => layout::time(&sheet, &names.names[0], units.time_ns)?,
+    };
+    let is_time_told = match &time {
+        Time::Rate(_) => true,
+        Time::Columns(parts) => {
+            let column = parts[0].0;
+            units.time_ns.is_some() || parts.len() > 1 || sheet.time_unit(column).is_some() || sheet.has_dates(column)
+        }
     };
     let mut sensors = Vec::new();
     for (kind, first) in [(Kind::Field, 1), (Kind::Up, 4), (Kind::Rate, 7), (Kind::System, 10)] {
         let columns = group::<3>(&sheet, names, first)?;
-        let factor = factor_of(kind, &units).unwrap_or(1.0);
-        sensors.extend(columns.map(|columns| Taken { kind, columns, factor, time: None }));
+        sensors.extend(columns.map(|columns| {
+            let written = || written_factor(kind, &sheet.unit(columns[0])?);
+            Taken { kind, columns, factor: units.factor(kind).or_else(written).unwrap_or(1.0), time: None }
+        }));
     }
     if sensors.is_empty() {
         let columns = names.names[1..4].join(",");
@@ -141,7 +206,7 @@ fn by_names(document: &Document, names: &ColumnNames, options: &ImportOptions) -
     }
     let course = ["course_deg", "course_sigma_deg"].map(|name| sheet.header.iter().position(|column| column == name));
     let course = if let [Some(heading), Some(sigma)] = course { Some([heading, sigma]) } else { None };
-    Ok(Layout { time, sensors, attitude: group::<4>(&sheet, names, 13)?, course })
+    Ok(Layout { time, is_time_told, sensors, attitude: group::<4>(&sheet, names, 13)?, course })
 }
 
 /// Where a sensor's columns are: all of them or none.

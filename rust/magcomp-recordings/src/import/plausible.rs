@@ -3,7 +3,7 @@
 
 use super::session::Session;
 use super::stream::Stream;
-use super::units::GRAVITY_M_S2;
+use super::units::{GRAVITY_M_S2, Kind};
 use crate::error::{Place, RecordingError};
 use magcomp::nalgebra::Vector3;
 
@@ -22,10 +22,19 @@ const LOW: f64 = 0.2;
 /// A median acceleration beyond these, m/s^2, is lively.
 const LIVELY_M_S2: (f64, f64) = (5.0, 20.0);
 
-/// Refuses a session whose numbers no phone gives. Returns warnings about numbers that are rare.
-pub(super) fn check(session: &Session) -> Result<Vec<String>, RecordingError> {
-    for stream in [&session.raw, &session.up, &session.rate, &session.system] {
-        check_time(stream)?;
+/// Refuses a session whose numbers no phone gives. Returns warnings about numbers that are rare. Where the unit of the times is known, a sensor that
+/// has too few events is left out, but not the magnetometer.
+pub(super) fn check(session: &mut Session) -> Result<Vec<String>, RecordingError> {
+    let is_told = session.is_time_told;
+    check_time(&session.raw, "magnetometer", is_told)?;
+    for kind in [Kind::Up, Kind::Rate, Kind::System] {
+        match check_time(session.stream(kind), kind.word(), is_told) {
+            Err(why @ RecordingError::Usage(_)) => {
+                *session.stream(kind) = Stream::default();
+                session.leave_out(kind.word(), why);
+            }
+            checked => checked?,
+        }
     }
     let fields = [("T", 1e6), ("mT", 1e3), ("G", 100.0), ("nT", 1e-3)];
     for stream in [&session.raw, &session.system] {
@@ -80,17 +89,28 @@ fn at(sorted: &[f64], share: f64) -> Option<f64> {
     sorted.get((sorted.len() as f64 * share) as usize).copied()
 }
 
-fn check_time(stream: &Stream<Vector3<f64>>) -> Result<(), RecordingError> {
+fn check_time(stream: &Stream<Vector3<f64>>, sensor: &str, is_told: bool) -> Result<(), RecordingError> {
     let mut steps: Vec<f64> = stream.events.windows(2).map(|pair| (pair[1].0 - pair[0].0) as f64 / 1e9).collect();
     steps.sort_by(f64::total_cmp);
     let (Some(step_s), Some([time, _])) = (steps.get(steps.len() / 2).copied(), &stream.first) else { return Ok(()) };
     if (STEPS_S.0..=STEPS_S.1).contains(&step_s) {
         return Ok(());
     }
+    if is_told {
+        let span_s = steps.iter().sum::<f64>();
+        let (path, events) = (time.path.display(), stream.events.len());
+        let few =
+            if step_s > STEPS_S.1 { "few: a turn is over before it is seen" } else { "many: are times repeated?" };
+        let how_often = if step_s >= 1.0 { format!("{step_s:.0} s") } else { format!("{step_s} s") };
+        let text = format!(
+            "{path}: {events} {sensor} events in {span_s:.0} s, one each {how_often}: too {few}; record at 25 to 200 Hz"
+        );
+        return Err(RecordingError::Usage(text));
+    }
     let units = [("ns", "nanoseconds", 1e-9), ("us", "microseconds", 1e-6), ("ms", "milliseconds", 1e-3)];
     let fitting = units.iter().find(|(.., factor)| (STEPS_S.0..=STEPS_S.1).contains(&(step_s * factor)));
     let hint = match fitting {
-        Some((unit, name, _)) => format!("time looks like {name}: --units t={unit}"),
+        Some((unit, name, _)) => format!("time looks like {name}: --units t={unit}; or there are too few events"),
         None => "name the unit by --units t=s, ms, us or ns".to_owned(),
     };
     Err(refused(time, "steps of 0.2 ms to 2 s", &format!("steps of {step_s} s; {hint}")))

@@ -8,6 +8,7 @@
 
 use super::document::Document;
 use super::fix::course;
+use super::names::{left_over, sensor_of_stem};
 use super::plausible::{BETWEEN_G_AND_M_S2, low_size};
 use super::session::Session;
 use super::sheet::Sheet;
@@ -17,13 +18,34 @@ use crate::error::RecordingError;
 use crate::recording::Course;
 use magcomp::nalgebra::Vector3;
 
+/// Files of the app that hold a sensor, or something that sounds like one and is not needed.
+const FILES: [&str; 8] = [
+    "magnetometeruncalibrated",
+    "magnetometer",
+    "gyroscopeuncalibrated",
+    "gyroscope",
+    "accelerometeruncalibrated",
+    "totalacceleration",
+    "accelerometer",
+    "gravity",
+];
+
+/// Whether a table is of one sensor; all sensors in one table, as the app can export them too, are read by their names.
 pub(super) fn is_header(header: &[String]) -> bool {
     let has = |name: &str| header.iter().any(|column| column == name);
-    has("time") && has("seconds_elapsed")
+    has("time") && has("seconds_elapsed") && left_over(header, |_| false).is_empty()
 }
 
 pub(super) fn read(documents: &[Document], units: &Units) -> Result<Session, RecordingError> {
-    let mut session = Session::default();
+    let mut session = Session { is_time_told: true, ..Session::default() };
+    for document in documents.iter().filter(|document| is_header(&Sheet::new(document).header)) {
+        let stem = document.stem();
+        if sensor_of_stem(&stem).is_some() && !FILES.contains(&stem.as_str()) {
+            let names =
+                "the app calls its files MagnetometerUncalibrated.csv, Gyroscope.csv, AccelerometerUncalibrated.csv";
+            session.leave_out(&stem, format!("{}: {names}; rename it if it is one of them", document.path.display()));
+        }
+    }
     let find = |stem: &str| documents.iter().find(|document| document.stem() == stem);
 
     let (mut raw, system) = (find("magnetometeruncalibrated"), find("magnetometer"));

@@ -1,9 +1,9 @@
 //! A logger's session: each sensor's events with their own times, as its files tell them.
 
 use super::document::Document;
-use super::order::{Order, sessions};
+use super::order::{sessions, tell};
 use super::stream::Stream;
-use super::units::{Frames, Shifts};
+use super::units::{Frames, Kind, LeftOver, Shifts};
 use crate::conventions::{self, Conventions, Streams};
 use crate::error::RecordingError;
 use crate::place::{Day, GeoPoint};
@@ -13,30 +13,10 @@ use magcomp::nalgebra::{UnitQuaternion, Vector3};
 use serde::Serialize;
 use std::fmt::Display;
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Sessions that a message tells, at most.
 const MOST_TOLD: usize = 5;
-
-/// The sensors of a session, in the order of a table's columns.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
-    Field,
-    Up,
-    Rate,
-    System,
-}
-
-impl Kind {
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Field => "field",
-            Self::Up => "acceleration",
-            Self::Rate => "rotation rate",
-            Self::System => "the system's field",
-        }
-    }
-}
 
 /// All sensors of a session, in the device's axes, uT, rad/s, m/s^2 with Android's sign.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -56,6 +36,10 @@ pub(super) struct Session {
     pub start_unix_ns: Option<i64>,
     /// Where it was recorded.
     pub position: Option<GeoPoint>,
+    /// The unit of the times is known and not taken for granted.
+    pub is_time_told: bool,
+    /// Sensors of a recording's own form whose columns have other names.
+    pub left_over: Option<Vec<LeftOver>>,
 }
 
 /// The number, rate and longest pause of one sensor's events.
@@ -121,9 +105,25 @@ impl Session {
         None
     }
 
-    /// Warns that a file of this sensor was left out.
+    /// Tells that a file of this sensor was left out: a warning, but of what no heading needs.
     pub fn leave_out(&mut self, sensor: &str, why: impl Display) {
-        self.warnings.push(format!("a file was left out ({sensor}): {why}"));
+        let is_needed = ![Kind::System.word(), "location"].contains(&sensor);
+        let told = if is_needed { &mut self.warnings } else { &mut self.notes };
+        told.push(format!("a file was left out ({sensor}): {why}"));
+    }
+
+    /// Tells the sensors of a file whose columns were not taken: a sensor that the session lacks was lost, of another one it is worth knowing.
+    pub fn tell_left_over(&mut self, path: &Path, sensors: &[LeftOver]) {
+        for (kind, column, count) in sensors {
+            let (path, word) = (path.display(), kind.word());
+            let text =
+                format!("{path}: {count} columns look like a sensor's ({word}) and were not taken, '{column}' first");
+            if self.stream(*kind).events.is_empty() {
+                self.warnings.push(format!("{text}; name them by --columns"));
+            } else {
+                self.notes.push(text);
+            }
+        }
     }
 
     /// Takes the sensors of another file, which are others than those that are there.
@@ -137,13 +137,9 @@ impl Session {
         pairs.into_iter().filter(|(_, more)| !more.events.is_empty()).for_each(|(stream, more)| *stream = more);
         self.attitude.events.extend(part.attitude.events);
         self.course.events.extend(part.course.events);
+        self.notes.extend(part.notes);
         self.warnings.extend(part.warnings);
         self.position = self.position.or(part.position);
-    }
-
-    /// Warns that the last row of a file was left out.
-    pub fn cut_off(&mut self, why: impl Display) {
-        self.warnings.push(cut_words(why));
     }
 
     /// Where the first fix was: degrees, north and east positive; m. What is not a number is not known.
@@ -185,17 +181,18 @@ impl Session {
     /// says, counted from 1. Loss is told, and refused where it is most of a sensor, unless it is wanted all the same.
     pub fn order(&mut self, frames: &Frames, which: Option<usize>, force: bool) -> Result<(), RecordingError> {
         for stream in [&mut self.raw, &mut self.up, &mut self.rate, &mut self.system] {
-            let cut = stream.cut.take();
-            self.warnings.extend(cut.as_deref().map(cut_words));
+            self.notes.extend(stream.cut.take());
         }
         self.pick(which)?;
-        let mut order = |name: &str, lost: Order| lost.tell(name, force, &mut self.notes, &mut self.warnings);
-        order("magnetometer", self.raw.order(|v| *v = frames.field.turn(v)))?;
-        order("accelerometer", self.up.order(|v| *v = frames.up.turn(v)))?;
-        order("gyroscope", self.rate.order(|v| *v = frames.rate.turn(v)))?;
-        order("system's field", self.system.order(|v| *v = frames.field.turn(v)))?;
-        order("reference", self.attitude.order(|_| ()))?;
-        order("course", self.course.order(|_| ()))
+        let orders = [
+            ("magnetometer", self.raw.order(|v| *v = frames.field.turn(v))),
+            ("accelerometer", self.up.order(|v| *v = frames.up.turn(v))),
+            ("gyroscope", self.rate.order(|v| *v = frames.rate.turn(v))),
+            ("system's field", self.system.order(|v| *v = frames.field.turn(v))),
+            ("reference", self.attitude.order(|_| ())),
+            ("course", self.course.order(|_| ())),
+        ];
+        tell(&orders, force, &mut self.notes, &mut self.warnings)
     }
 
     /// Keeps one of several sessions that follow one another in one file.
@@ -285,15 +282,12 @@ impl Session {
                 "; a file's name tells its sensor (MagnetometerUncalibrated.csv), which a pipe does not have"
             }
             "MATLAB Mobile" => "; a file's name tells its sensor (MagneticField.csv), which a pipe does not have",
+            "plain CSV" => "; name its columns by --columns mx=NAME,my=NAME,mz=NAME where they are there",
             _ => "",
         };
         let left_out = self.warnings.first().map_or_else(String::new, |warning| format!("; {warning}"));
         Err(RecordingError::Usage(format!("{logger} session {}: {why}{named}{left_out}", names.join(", "))))
     }
-}
-
-fn cut_words(why: impl Display) -> String {
-    format!("the last row was left out, as one of an app that was ended while it wrote: {why}")
 }
 
 fn sensor<T>(name: &'static str, events: &[(i64, T)]) -> Sensor {

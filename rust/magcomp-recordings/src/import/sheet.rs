@@ -3,6 +3,7 @@
 use super::dates;
 use super::document::Document;
 use super::stream::Stream;
+use super::units::{Kind, parted, time_unit, written_factor, written_time_ns};
 use crate::error::{Place, RecordingError, shorten};
 use crate::recording::{Delimiter, Record};
 use crate::time::MOST_NS;
@@ -10,6 +11,8 @@ use magcomp::nalgebra::Vector3;
 use std::borrow::Cow;
 use std::path::Path;
 
+/// Lines behind the last row that may be none, at most: what a logger closes a file with.
+const MOST_CLOSING: usize = 50;
 /// What loggers write where they have no value.
 const NOTHING: [&str; 6] = ["null", "none", "nil", "na", "n/a", "-"];
 
@@ -49,6 +52,11 @@ impl<'a> Sheet<'a> {
         sheet
     }
 
+    /// Lines of several kinds, whose cells have no names.
+    pub fn of_lines(document: &'a Document, delimiter: Delimiter) -> Self {
+        Self { document, delimiter, header: Vec::new(), has_header: false }
+    }
+
     /// Whether a comma is a decimal mark, because something else is between cells.
     pub fn has_decimal_commas(&self) -> bool {
         self.delimiter != Delimiter::Mark(b',')
@@ -66,6 +74,26 @@ impl<'a> Sheet<'a> {
 
     pub fn has_header(&self) -> bool {
         self.has_header
+    }
+
+    /// The unit of a column in small letters: in its name, else in a row of units below the names.
+    pub fn unit(&self, column: usize) -> Option<String> {
+        let in_row = || {
+            let cells = self.first_row().filter(|cells| self.has_header && self.is_of_units(cells))?;
+            Some(cells.text(column).trim_matches(BRACKETS).to_lowercase())
+        };
+        parted(self.header.get(column)?).1.or_else(in_row)
+    }
+
+    /// Nanoseconds in the unit of a column of times, where its name or a row of units tells it.
+    pub fn time_unit(&self, column: usize) -> Option<i64> {
+        let named = self.header.get(column).and_then(|name| time_unit(name));
+        named.or_else(|| written_time_ns(&self.unit(column)?))
+    }
+
+    /// Whether the first time of a column is a date.
+    pub fn has_dates(&self, column: usize) -> bool {
+        self.first_row().is_some_and(|cells| dates::parse_ns(&cells.text(column)).is_some())
     }
 
     /// The column of that name, which must be there, once.
@@ -88,15 +116,23 @@ impl<'a> Sheet<'a> {
         }
     }
 
-    /// Its header, for an error.
+    /// Its header, for an error; numbers are not names, but values that may be private, such as where somebody was.
     pub fn shown(&self) -> String {
         if self.header.is_empty() {
-            "an empty file".to_owned()
-        } else if self.has_header {
-            format!("'{}'", shorten(&self.header.join(",")))
-        } else {
-            format!("numbers without a header: '{}'", shorten(&self.document.first_line()))
+            return "an empty file".to_owned();
         }
+        if !self.has_header {
+            return format!("{} columns of numbers without a header", self.header.len());
+        }
+        let mark = match self.delimiter {
+            Delimiter::Mark(b'\t') => "<tab>",
+            Delimiter::Mark(b';') => ";",
+            Delimiter::Mark(_) => ",",
+            Delimiter::Blanks => " ",
+        };
+        let name =
+            |cell: &String| if is_number(cell, self.has_decimal_commas()) { "..".to_owned() } else { cell.clone() };
+        format!("'{}'", shorten(&self.header.iter().map(name).collect::<Vec<_>>().join(mark)))
     }
 
     /// Whether a row that follows the header has the units of its columns: no number, and no cell that is empty for want of a value.
@@ -111,11 +147,12 @@ impl<'a> Sheet<'a> {
     }
 
     /// Reads its rows, after the header and a row of units. A row with more cells than the header is refused: its cells would be taken
-    /// for others. A last row that cannot be read, as one of an app that was ended while it wrote, costs itself alone: its error is returned.
+    /// for others. A last row that cannot be read, as one of an app that was ended while it wrote, costs itself alone, and so do lines behind
+    /// the last row that are none: the sentence about them is returned.
     pub fn rows(
         &'a self,
         mut read: impl FnMut(&Cells<'a>) -> Result<(), RecordingError>,
-    ) -> Result<Option<RecordingError>, RecordingError> {
+    ) -> Result<Option<String>, RecordingError> {
         let mut first = true;
         let read = move |cells: &Cells<'a>| {
             if std::mem::take(&mut first) && self.has_header && self.is_of_units(cells) {
@@ -137,7 +174,7 @@ impl<'a> Sheet<'a> {
     pub fn lines(
         &'a self,
         read: impl FnMut(&Cells<'a>) -> Result<(), RecordingError>,
-    ) -> Result<Option<RecordingError>, RecordingError> {
+    ) -> Result<Option<String>, RecordingError> {
         self.each(0, read)
     }
 
@@ -156,22 +193,50 @@ impl<'a> Sheet<'a> {
         texts.len() >= self.header.len() && texts.iter().all(|cell| is_number(cell, self.has_decimal_commas()))
     }
 
+    /// Which cells of a row are numbers or dates.
+    fn shape(&self, record: &Record) -> Vec<bool> {
+        let is_value = |cell: String| is_number(&cell, self.has_decimal_commas()) || dates::parse_ns(&cell).is_some();
+        record.texts().into_iter().map(is_value).collect()
+    }
+
     fn each(
         &'a self,
         skipped: usize,
         mut read: impl FnMut(&Cells<'a>) -> Result<(), RecordingError>,
-    ) -> Result<Option<RecordingError>, RecordingError> {
-        let mut lines = self.document.lines().skip(skipped).peekable();
+    ) -> Result<Option<String>, RecordingError> {
+        let mut lines = self.document.lines().skip(skipped);
         let mut cells = Cells { sheet: self, record: Record::default() };
-        let mut before = 0;
+        let (mut before, mut usual) = (0, Vec::new());
         while let Some((line, text)) = lines.next() {
             cells.record.line = line;
             cells.record.split(text, self.delimiter);
-            if let Err(why) = read(&cells) {
-                let is_last = lines.peek().is_none() && before > 0 && !self.is_whole(&cells);
-                return if is_last { Ok(Some(why)) } else { Err(why) };
-            }
-            before += 1;
+            let Err(why) = read(&cells) else {
+                // a row of units has none
+                if !usual.contains(&true) {
+                    usual = self.shape(&cells.record);
+                }
+                before += 1;
+                continue;
+            };
+            let rest: Vec<(u64, &[u8])> = lines.take(MOST_CLOSING).collect();
+            let Some((last, _)) = rest.last() else {
+                let is_cut = before > 0 && !self.is_whole(&cells);
+                let told = format!("the last row was left out, as one of an app that was ended while it wrote: {why}");
+                return if is_cut { Ok(Some(told)) } else { Err(why) };
+            };
+            // no line from here on has the numbers of a row
+            let mut record = Record::default();
+            let mut is_row = |text: &[u8]| {
+                record.split(text, self.delimiter);
+                let shape = self.shape(&record);
+                shape.len() >= usual.len() && usual.iter().zip(&shape).all(|(usual, is)| *is || !usual)
+            };
+            let is_closing = !self.header.is_empty()
+                && rest.len() < MOST_CLOSING.min(before)
+                && !is_row(text)
+                && !rest.iter().any(|(_, text)| is_row(text));
+            let told = format!("lines {line} to {last} behind the last row are none and were left out: {why}");
+            return if is_closing { Ok(Some(told)) } else { Err(why) };
         }
         Ok(None)
     }
@@ -192,7 +257,7 @@ impl<'a> Sheet<'a> {
             }
             Ok(())
         })?;
-        stream.cut = cut.map(|why| why.to_string());
+        stream.cut = cut;
         Ok(stream)
     }
 }
@@ -235,16 +300,31 @@ fn is_nothing(text: &[u8]) -> bool {
     text.is_empty() || NOTHING.iter().any(|word| text.eq_ignore_ascii_case(word.as_bytes()))
 }
 
-/// Whether a cell below a name is a unit of a sensor.
+/// What may stand around a unit below a name.
+const BRACKETS: [char; 4] = ['(', ')', '[', ']'];
+
+/// Whether a cell below a name is a unit of a time or of a sensor.
 fn is_unit(text: &str) -> bool {
-    let unit = text.trim_matches(|mark| "()[]".contains(mark)).to_lowercase();
-    let known = [
-        "s", "ms", "us", "ns", "g", "rad/s", "deg/s", "dps", "m/s2", "m/s^2", "m/s²", "m/s/s", "gauss", "mgauss", "mg",
-    ];
-    known.contains(&unit.as_str()) || unit.chars().count() <= 2 && unit.ends_with('t')
+    let unit = text.trim_matches(BRACKETS).to_lowercase();
+    let is_of = |kind| written_factor(kind, &unit).is_some();
+    written_time_ns(&unit).is_some() || [Kind::Field, Kind::Up, Kind::Rate].into_iter().any(is_of)
+}
+
+/// Whether a cell is a word and no number, no date, and not empty.
+pub(super) fn is_word(text: &str) -> bool {
+    text.starts_with(char::is_alphabetic) && !is_nothing(text.as_bytes()) && text.parse::<f64>().is_err()
 }
 
 impl Cells<'_> {
+    /// How many cells the row has.
+    pub fn len(&self) -> usize {
+        self.record.len()
+    }
+
+    pub fn is_number(&self, column: usize) -> bool {
+        self.number(column).is_ok()
+    }
+
     /// The text of a cell, without blanks around it; empty where the row ends before.
     pub fn text(&self, column: usize) -> String {
         self.record.get(column).map_or_else(String::new, |cell| String::from_utf8_lossy(cell).trim().to_owned())

@@ -13,7 +13,7 @@ pub(super) struct Stream<T> {
     pub events: Vec<(i64, T)>,
     /// The cells of time and value of its first event.
     pub first: Option<[Place; 2]>,
-    /// Why the last row of its file was left out.
+    /// What is told of the end of its file, where that was left out.
     pub cut: Option<String>,
 }
 

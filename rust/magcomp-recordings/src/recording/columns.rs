@@ -58,6 +58,12 @@ impl Columns {
         })
     }
 
+    /// Whether this column is read.
+    pub fn takes(&self, column: usize) -> bool {
+        let threes = [Some(self.magnetic), self.accelerometer, self.gyroscope, self.system, self.hard_iron];
+        column == self.time || threes.iter().flatten().flatten().any(|taken| *taken == column)
+    }
+
     /// The values of a line; `before` is the time of the line before, s and ns.
     pub fn line(&self, path: &Path, record: &Record, before: Option<(f64, i64)>) -> Result<Line, RecordingError> {
         let line = record.line;

@@ -71,6 +71,16 @@ impl Text {
         Place { path: self.path.clone(), line: 2, column: index.map(|index| (index + 1, name.to_owned())) }
     }
 
+    /// The names of its columns.
+    pub fn header(&self) -> &[String] {
+        &self.columns.names
+    }
+
+    /// Whether this column is one of a recording's own.
+    pub fn takes(&self, column: usize) -> bool {
+        self.columns.takes(column)
+    }
+
     pub fn line(&mut self) -> Result<Option<Line>, RecordingError> {
         if !self.lines.next().map_err(RecordingError::read(&self.path))? {
             return Ok(None);
