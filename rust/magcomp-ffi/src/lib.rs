@@ -24,6 +24,8 @@ mod java;
 mod logging;
 mod outside;
 mod record;
+// made, for people to read and not to edit
+#[rustfmt::skip]
 mod status;
 
 pub use compensator::Compensator;
@@ -32,13 +34,13 @@ pub use constant_field::ConstantField;
 pub use error::MagcompError;
 pub use geomagnetic::{GeomagneticField, geomagnetic_field};
 pub use logging::{LogLevel, start_logging};
-pub use outside::{AttitudeSample, FoundDeclination, HeadedAxis, HeadingAid, HeadingSample, NorthReference, Yaw};
+pub use outside::{AttitudeSample, FoundDeclination, HeadedAxis, HeadingSample, NorthReference, Yaw};
 pub use record::{
     Calibration, Coverage, Fit, Heading, HeadingFrame, MagneticSample, Reading, ReferenceAxis, RotationRateSample,
     ScreenRotation, SoftIron, Termination, UpSample, Vector3, correct, heading, true_heading_deg,
 };
 pub use status::{
-    Axis, Event, EventKind, EventRejection, FitProblem, HoldReason, Missing, ModelOrder, RejectReason, SensorMode,
+    Axis, Event, EventKind, EventRejection, FitProblem, HeadingAid, HoldReason, Missing, ModelOrder, RejectReason, SensorMode,
     Status,
 };
 

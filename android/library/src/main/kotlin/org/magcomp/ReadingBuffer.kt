@@ -1,3 +1,4 @@
+// made by bindings/generate.sh from bindings/status.toml
 package org.magcomp
 
 /**
@@ -230,19 +231,17 @@ public class ReadingBuffer {
                 else -> error("reject reason $reason: the library's native part is of another version")
             }
 
-        private fun fitProblem(slots: DoubleArray, at: Int): FitProblem {
-            val real = at + REAL
-            return when (val problem = slots[at + FIT_PROBLEM].toInt()) {
+        private fun fitProblem(slots: DoubleArray, at: Int): FitProblem =
+            when (val problem = slots[at + FIT_PROBLEM].toInt()) {
                 0 -> FitProblem.TooFewSamples(whole(slots, at + WHOLE).toInt())
-                1 -> FitProblem.Planar(slots[real])
-                2 -> FitProblem.PoorCoverage(slots[real], slots[real + 1])
-                3 -> FitProblem.Inconsistent(slots[real], slots[real + 1])
+                1 -> FitProblem.Planar(slots[at + REAL])
+                2 -> FitProblem.PoorCoverage(slots[at + REAL], slots[at + REAL + 1])
+                3 -> FitProblem.Inconsistent(slots[at + REAL], slots[at + REAL + 1])
                 4 -> FitProblem.NotAnEllipsoid
-                5 -> FitProblem.FieldOutOfRange(slots[real], slots[real + 1], slots[real + 2])
+                5 -> FitProblem.FieldOutOfRange(slots[at + REAL], slots[at + REAL + 1], slots[at + REAL + 2])
                 6 -> FitProblem.NotFinite
                 else -> error("fit problem $problem: the library's native part is of another version")
             }
-        }
 
         fun known(value: Double): Double? = if (value.isNaN()) null else value
 

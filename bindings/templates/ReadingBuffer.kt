@@ -1,0 +1,238 @@
+// made by bindings/generate.sh from bindings/status.toml
+package org.magcomp
+
+{% macro whole(field) %}
+whole(slots, at + WHOLE{{ " + " ~ 2 * field.place if field.place }})
+{%- endmacro %}
+{% macro real(field) %}
+slots[at + REAL{{ " + " ~ field.place if field.place }}]
+{%- endmacro %}
+{% macro read(field) %}
+{% if field.kind == "count" %}{{ whole(field) }}.toInt(){% elif field.kind == "time" %}{{ whole(field) }}{% elif field.kind == "axis" %}DeviceAxis.entries[{{ whole(field) }}.toInt()]{% elif field.kind == "signed_axis" %}{{ real(field) }}.toInt(){% elif field.kind == "real" %}{{ real(field) }}{% elif field.kind == "FitProblem" %}fitProblem(slots, at){% else %}{{ by_name[field.kind].camel }}(slots, at, reason){% endif %}
+{%- endmacro %}
+{% macro made(one, case) %}
+{{ one.app }}.{{ case.name }}{% if case.fields %}({% for field in case.fields %}{{ read(field) }}{{ ", " if not loop.last }}{% endfor %}){% endif %}
+{%- endmacro %}
+/**
+ * A reading that is filled again and again, so that a stream of sensor events allocates nothing.
+ *
+ * A value that is not known is NaN here; [toReading] makes an immutable [MagneticReading] of it, where such a value is null. A buffer is
+ * not thread-safe: give every thread its own.
+ */
+public class ReadingBuffer {
+    internal val slots: DoubleArray = DoubleArray(FastPath.slots)
+
+    /** Time of the sample, nanoseconds. */
+    public var timeNs: Long = 0
+        internal set
+
+    /** Corrected field to the right of the screen, microtesla. */
+    public val xUt: Double get() = slots[FIELD]
+
+    /** Corrected field towards the top of the screen, microtesla. */
+    public val yUt: Double get() = slots[FIELD + 1]
+
+    /** Corrected field out of the screen, microtesla. */
+    public val zUt: Double get() = slots[FIELD + 2]
+
+    /** One standard deviation of the corrected field per axis, microtesla. */
+    public val fieldSigmaUt: Double get() = slots[FIELD_SIGMA]
+
+    /** The estimator's own, smoother estimate of the same vector, to the right of the screen, microtesla. */
+    public val filteredXUt: Double get() = slots[FILTERED_FIELD]
+
+    /** The same towards the top of the screen, microtesla. */
+    public val filteredYUt: Double get() = slots[FILTERED_FIELD + 1]
+
+    /** The same out of the screen, microtesla. */
+    public val filteredZUt: Double get() = slots[FILTERED_FIELD + 2]
+
+    /** Length of the corrected field, microtesla. */
+    public val totalFieldUt: Double get() = slots[TOTAL_FIELD]
+
+    /** Clockwise from magnetic north, degrees, 0 to 360. */
+    public val headingDeg: Double get() = slots[HEADING]
+
+    /** One standard deviation of [headingDeg], degrees. */
+    public val headingSigmaDeg: Double get() = slots[HEADING_SIGMA]
+
+    /** Clockwise from true north, degrees, 0 to 360; NaN without a declination. */
+    public val trueHeadingDeg: Double get() = slots[TRUE_HEADING]
+
+    /** Angle of the field below the horizon, degrees; NaN where no field is known and north comes from outside. */
+    public val inclinationDeg: Double get() = slots[INCLINATION]
+
+    /** Real part of the unit quaternion that takes a vector of the device frame to (east, north, up), north magnetic. */
+    public val attitudeW: Double get() = slots[ATTITUDE]
+
+    /** Its part of i. */
+    public val attitudeX: Double get() = slots[ATTITUDE + 1]
+
+    /** Its part of j. */
+    public val attitudeY: Double get() = slots[ATTITUDE + 2]
+
+    /** Its part of k. */
+    public val attitudeZ: Double get() = slots[ATTITUDE + 3]
+
+    /** One standard deviation of the attitude, as [DeviceAttitude.sigmaDeg], degrees. */
+    public val attitudeSigmaDeg: Double get() = slots[ATTITUDE_SIGMA]
+
+    /** Uniformity sigma_T of the latest orientations, dimensionless. */
+    public val sigmaT: Double get() = slots[SIGMA_T]
+
+    /** Samples in the window of the estimator. */
+    public val window: Int get() = slots[WINDOW].toInt()
+
+    /** Share of the directions seen in that window, 0 to 1. */
+    public val coverage: Double get() = slots[COVERAGE]
+
+    /** Predicted rms error of a corrected direction, over all directions, degrees. */
+    public val directionSigmaDeg: Double get() = slots[DIRECTION_SIGMA]
+
+    /** The same for the one combination of parameters that is known worst, degrees. */
+    public val worstSigmaDeg: Double get() = slots[WORST_SIGMA]
+
+    /** By how much the operating system's own hard iron jumped with this sample, microtesla. */
+    public val reportedHardIronJumpUt: Double get() = slots[REPORTED_JUMP]
+
+    /** Which parameters the latest change set free; null where that is not known. */
+    public val modelOrder: ModelOrder? get() = modelOrder(slots, 0)
+
+    /** The sensors the estimator runs on. */
+    public val mode: SensorMode get() = mode(slots, 0)
+
+    /** The latest change that was decided. Allocates when it is another one than before. */
+    public val event: FieldEvent? get() = event(slots, 0, latestEvent).also { latestEvent = it }
+    private var latestEvent: FieldEvent? = null
+
+    /** What the compensator is doing, and why. Allocates for a status that carries data. */
+    public val status: CompensationStatus get() = status(slots)
+
+    /** The same as an immutable record. */
+    public fun toReading(): MagneticReading = reading(slots, 0, timeNs, event, status)
+
+    internal companion object {
+        // as `mod slot` in fast.rs
+        const val FIELD = 0
+        const val FILTERED_FIELD = 3
+        const val TOTAL_FIELD = 6
+        const val HEADING = 7
+        const val HEADING_SIGMA = 8
+        const val TRUE_HEADING = 9
+        const val INCLINATION = 10
+        const val SIGMA_T = 11
+        const val WINDOW = 12
+        const val COVERAGE = 13
+        const val REPORTED_JUMP = 14
+        const val FIELD_SIGMA = 15
+        const val MODE = 16
+        const val DIRECTION_SIGMA = 17
+        const val WORST_SIGMA = 18
+        const val MODEL_ORDER = 19
+        const val ATTITUDE = 20
+        const val ATTITUDE_SIGMA = 24
+        const val EVENT = 25
+        const val EVENT_TIMES = 26
+        const val STATUS = 30
+        const val REASON = 31
+        const val FIT_PROBLEM = 32
+        const val REAL = 33
+        const val WHOLE = 36
+
+        /** The numbers of a reading but for event and status. */
+        const val NUMBERS = EVENT
+
+        fun heading(slots: DoubleArray, at: Int = 0): CompassHeading? = known(slots[at + HEADING])?.let {
+            CompassHeading(
+                headingDeg = it,
+                headingSigmaDeg = known(slots[at + HEADING_SIGMA]),
+                trueHeadingDeg = known(slots[at + TRUE_HEADING]),
+                inclinationDeg = known(slots[at + INCLINATION]),
+            )
+        }
+
+        fun attitude(slots: DoubleArray, at: Int = 0): DeviceAttitude? = known(slots[at + ATTITUDE])?.let {
+            DeviceAttitude(
+                w = it,
+                x = slots[at + ATTITUDE + 1],
+                y = slots[at + ATTITUDE + 2],
+                z = slots[at + ATTITUDE + 3],
+                sigmaDeg = known(slots[at + ATTITUDE_SIGMA]),
+            )
+        }
+
+        fun reading(slots: DoubleArray, at: Int, timeNs: Long): MagneticReading = reading(slots, at, timeNs, event(slots, at), status(slots, at))
+
+        /** Of [slots] the [NUMBERS] alone are read. */
+        fun reading(slots: DoubleArray, at: Int, timeNs: Long, event: FieldEvent?, status: CompensationStatus): MagneticReading = MagneticReading(
+            timeNs = timeNs,
+            fieldUt = vectorOrNull(slots, at + FIELD),
+            fieldSigmaUt = known(slots[at + FIELD_SIGMA]),
+            filteredFieldUt = vectorOrNull(slots, at + FILTERED_FIELD),
+            totalFieldUt = known(slots[at + TOTAL_FIELD]),
+            heading = heading(slots, at),
+            attitude = attitude(slots, at),
+            sigmaT = known(slots[at + SIGMA_T]),
+            window = slots[at + WINDOW].toInt(),
+            coverage = slots[at + COVERAGE],
+            directionSigmaDeg = known(slots[at + DIRECTION_SIGMA]),
+            worstSigmaDeg = known(slots[at + WORST_SIGMA]),
+            modelOrder = modelOrder(slots, at),
+            reportedHardIronJumpUt = known(slots[at + REPORTED_JUMP]),
+            mode = mode(slots, at),
+            event = event,
+            status = status,
+        )
+
+        fun status(slots: DoubleArray, at: Int = 0): CompensationStatus {
+            val reason = slots[at + REASON].toInt()
+            return when (val kind = slots[at + STATUS].toInt()) {
+{% for case in by_name.Status.cases %}
+                {{ case.code }} -> {{ made(by_name.Status, case) }}
+{% endfor %}
+                else -> error("status $kind: the library's native part is of another version")
+            }
+        }
+
+        private fun modelOrder(slots: DoubleArray, at: Int): ModelOrder? =
+            ModelOrder.entries.getOrNull(slots[at + MODEL_ORDER].toInt())
+
+        private fun mode(slots: DoubleArray, at: Int): SensorMode = SensorMode.entries[slots[at + MODE].toInt()]
+
+        /** [before] where it is the same. */
+        private fun event(slots: DoubleArray, at: Int, before: FieldEvent? = null): FieldEvent? {
+            val kind = FieldEventKind.entries.getOrNull(slots[at + EVENT].toInt()) ?: return null
+            val sinceNs = whole(slots, at + EVENT_TIMES)
+            val decidedNs = whole(slots, at + EVENT_TIMES + 2)
+            if (before != null && before.kind == kind && before.sinceNs == sinceNs && before.decidedNs == decidedNs) return before
+            return FieldEvent(kind, sinceNs = sinceNs, decidedNs = decidedNs)
+        }
+
+{% for one in [by_name.Missing, by_name.HoldReason, by_name.RejectReason] %}
+        private fun {{ one.camel }}(slots: DoubleArray, at: Int, reason: Int): {{ one.app }} =
+            when (reason) {
+{% for case in one.cases %}
+                {{ case.code }} -> {{ made(one, case) }}
+{% endfor %}
+                else -> error("{{ one.words }} $reason: the library's native part is of another version")
+            }
+
+{% endfor %}
+        private fun fitProblem(slots: DoubleArray, at: Int): FitProblem =
+            when (val problem = slots[at + FIT_PROBLEM].toInt()) {
+{% for case in by_name.FitProblem.cases %}
+                {{ case.code }} -> {{ made(by_name.FitProblem, case) }}
+{% endfor %}
+                else -> error("fit problem $problem: the library's native part is of another version")
+            }
+
+        fun known(value: Double): Double? = if (value.isNaN()) null else value
+
+        private fun vectorOrNull(slots: DoubleArray, at: Int): DeviceVector? = if (slots[at].isNaN()) null else vector(slots, at)
+
+        fun vector(slots: DoubleArray, at: Int) = DeviceVector(slots[at], slots[at + 1], slots[at + 2])
+
+        /** A whole number from its upper and lower 32 bits. */
+        private fun whole(slots: DoubleArray, at: Int): Long = (slots[at].toLong() shl 32) or slots[at + 1].toLong()
+    }
+}
