@@ -48,8 +48,8 @@ internal fun FitProblem.text(strings: Strings): String = when (this) {
     FitProblem.NotFinite -> strings.say(R.string.magcomp_fit_not_finite)
 }
 
-/** An axis as one types it: `-x`. */
-private fun typed(axis: Int): String = (if (axis < 0) "-" else "") + "xyz"[abs(axis) - 1]
+/** An axis as one types it: `-x`. What is none is the nearest, as in the core's own text. */
+private fun typed(axis: Int): String = (if (axis < 0) "-" else "") + "xyz"[abs(axis).coerceIn(1, 3) - 1]
 
 internal fun FieldEvent.text(strings: Strings): String {
     val id = when (kind) {
