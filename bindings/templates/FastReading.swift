@@ -1,34 +1,21 @@
 // swift-format-ignore-file
-// made by bindings/generate.sh from bindings/status.toml
+// made by bindings/generate.sh from bindings/status.toml and bindings/reading.toml
 import MagcompFFI
 
 // Converts the answers of the C path to the records that uniffi makes; a test compares every one with what uniffi says.
 
 extension MagneticReading {
     init(_ c: MagcompReading, timeNs: Int64) {
-        let heading = known(c.heading_deg).map {
-            CompassHeading(
-                headingDeg: $0, headingSigmaDeg: known(c.heading_sigma_deg), trueHeadingDeg: known(c.true_heading_deg),
-                inclinationDeg: known(c.inclination_deg))
+{% for field in reading.fields if field.is_record %}
+        let {{ field.camel }} = known(c.{{ field.leaves[0].flat }}).map {
+            {{ field.app }}({% for leaf in field.leaves %}{{ leaf.camel }}: {% if loop.first %}$0{% elif leaf.none %}known(c.{{ leaf.flat }}){% else %}c.{{ leaf.flat }}{% endif %}{{ ", " if not loop.last }}{% endfor %})
         }
-        let (w, x, y, z) = c.attitude
-        let attitude = known(w).map { DeviceAttitude(w: $0, x: x, y: y, z: z, sigmaDeg: known(c.attitude_sigma_deg)) }
+{% endfor %}
         self.init(
             timeNs: timeNs,
-            fieldUt: vector(c.field_ut),
-            fieldSigmaUt: known(c.field_sigma_ut),
-            filteredFieldUt: vector(c.filtered_field_ut),
-            totalFieldUt: known(c.total_field_ut),
-            heading: heading,
-            attitude: attitude,
-            sigmaT: known(c.sigma_t),
-            window: c.window,
-            coverage: c.coverage,
-            directionSigmaDeg: known(c.direction_sigma_deg),
-            worstSigmaDeg: known(c.worst_sigma_deg),
-            modelOrder: ModelOrder(c.model_order),
-            reportedHardIronJumpUt: known(c.reported_hard_iron_jump_ut),
-            mode: SensorMode(c.mode),
+{% for field in reading.fields %}
+            {{ field.camel }}: {% if field.kind == "vector" %}vector(c.{{ field.name }}){% elif field.kind == "real" %}known(c.{{ field.name }}){% elif field.is_enum %}{{ field.app }}(c.{{ field.name }}){% elif field.is_record %}{{ field.camel }}{% else %}c.{{ field.name }}{% endif %},
+{% endfor %}
             event: FieldEvent(c.event),
             status: CompensationStatus(c.status)
         )

@@ -1,4 +1,4 @@
-// made by bindings/generate.sh from bindings/status.toml
+// made by bindings/generate.sh from bindings/status.toml and bindings/reading.toml
 package org.magcomp
 
 {% macro whole(field) %}
@@ -26,81 +26,21 @@ public class ReadingBuffer {
     public var timeNs: Long = 0
         internal set
 
-    /** Corrected field to the right of the screen, microtesla. */
-    public val xUt: Double get() = slots[FIELD]
+{% for field in reading.fields %}
+{% for leaf in field.leaves %}
+{% if field.is_enum %}
+    /** {{ field.meaning }}{{ " Null " ~ field.none ~ "." if field.none }} */
+    public val {{ field.camel }}: {{ field.app }}{{ "?" if field.none }} get() = {{ field.camel }}(slots, 0)
 
-    /** Corrected field towards the top of the screen, microtesla. */
-    public val yUt: Double get() = slots[FIELD + 1]
+{% else %}
+{% for name, document in leaf.buffer %}
+    /** {{ document }} */
+    public val {{ name }}: {{ "Int" if leaf.kind == "count" else "Double" }} get() = slots[{{ leaf.slot }}{{ " + " ~ loop.index0 if loop.index0 }}]{{ ".toInt()" if leaf.kind == "count" }}
 
-    /** Corrected field out of the screen, microtesla. */
-    public val zUt: Double get() = slots[FIELD + 2]
-
-    /** One standard deviation of the corrected field per axis, microtesla. */
-    public val fieldSigmaUt: Double get() = slots[FIELD_SIGMA]
-
-    /** The estimator's own, smoother estimate of the same vector, to the right of the screen, microtesla. */
-    public val filteredXUt: Double get() = slots[FILTERED_FIELD]
-
-    /** The same towards the top of the screen, microtesla. */
-    public val filteredYUt: Double get() = slots[FILTERED_FIELD + 1]
-
-    /** The same out of the screen, microtesla. */
-    public val filteredZUt: Double get() = slots[FILTERED_FIELD + 2]
-
-    /** Length of the corrected field, microtesla. */
-    public val totalFieldUt: Double get() = slots[TOTAL_FIELD]
-
-    /** Clockwise from magnetic north, degrees, 0 to 360. */
-    public val headingDeg: Double get() = slots[HEADING]
-
-    /** One standard deviation of [headingDeg], degrees. */
-    public val headingSigmaDeg: Double get() = slots[HEADING_SIGMA]
-
-    /** Clockwise from true north, degrees, 0 to 360; NaN without a declination. */
-    public val trueHeadingDeg: Double get() = slots[TRUE_HEADING]
-
-    /** Angle of the field below the horizon, degrees; NaN where no field is known and north comes from outside. */
-    public val inclinationDeg: Double get() = slots[INCLINATION]
-
-    /** Real part of the unit quaternion that takes a vector of the device frame to (east, north, up), north magnetic. */
-    public val attitudeW: Double get() = slots[ATTITUDE]
-
-    /** Its part of i. */
-    public val attitudeX: Double get() = slots[ATTITUDE + 1]
-
-    /** Its part of j. */
-    public val attitudeY: Double get() = slots[ATTITUDE + 2]
-
-    /** Its part of k. */
-    public val attitudeZ: Double get() = slots[ATTITUDE + 3]
-
-    /** One standard deviation of the attitude, as [DeviceAttitude.sigmaDeg], degrees. */
-    public val attitudeSigmaDeg: Double get() = slots[ATTITUDE_SIGMA]
-
-    /** Uniformity sigma_T of the latest orientations, dimensionless. */
-    public val sigmaT: Double get() = slots[SIGMA_T]
-
-    /** Samples in the window of the estimator. */
-    public val window: Int get() = slots[WINDOW].toInt()
-
-    /** Share of the directions seen in that window, 0 to 1. */
-    public val coverage: Double get() = slots[COVERAGE]
-
-    /** Predicted rms error of a corrected direction, over all directions, degrees. */
-    public val directionSigmaDeg: Double get() = slots[DIRECTION_SIGMA]
-
-    /** The same for the one combination of parameters that is known worst, degrees. */
-    public val worstSigmaDeg: Double get() = slots[WORST_SIGMA]
-
-    /** By how much the operating system's own hard iron jumped with this sample, microtesla. */
-    public val reportedHardIronJumpUt: Double get() = slots[REPORTED_JUMP]
-
-    /** Which parameters the latest change set free; null where that is not known. */
-    public val modelOrder: ModelOrder? get() = modelOrder(slots, 0)
-
-    /** The sensors the estimator runs on. */
-    public val mode: SensorMode get() = mode(slots, 0)
-
+{% endfor %}
+{% endif %}
+{% endfor %}
+{% endfor %}
     /** The latest change that was decided. Allocates when it is another one than before. */
     public val event: FieldEvent? get() = event(slots, 0, latestEvent).also { latestEvent = it }
     private var latestEvent: FieldEvent? = null
@@ -112,74 +52,39 @@ public class ReadingBuffer {
     public fun toReading(): MagneticReading = reading(slots, 0, timeNs, event, status)
 
     internal companion object {
-        // as `mod slot` in fast.rs
-        const val FIELD = 0
-        const val FILTERED_FIELD = 3
-        const val TOTAL_FIELD = 6
-        const val HEADING = 7
-        const val HEADING_SIGMA = 8
-        const val TRUE_HEADING = 9
-        const val INCLINATION = 10
-        const val SIGMA_T = 11
-        const val WINDOW = 12
-        const val COVERAGE = 13
-        const val REPORTED_JUMP = 14
-        const val FIELD_SIGMA = 15
-        const val MODE = 16
-        const val DIRECTION_SIGMA = 17
-        const val WORST_SIGMA = 18
-        const val MODEL_ORDER = 19
-        const val ATTITUDE = 20
-        const val ATTITUDE_SIGMA = 24
-        const val EVENT = 25
-        const val EVENT_TIMES = 26
-        const val STATUS = 30
-        const val REASON = 31
-        const val FIT_PROBLEM = 32
-        const val REAL = 33
-        const val WHOLE = 36
+{% for leaf in reading.leaves %}
+        const val {{ leaf.slot }} = {{ leaf.at }}
+{% endfor %}
+{% set n = reading.numbers %}
+        private const val EVENT = {{ n }}
+        private const val EVENT_TIMES = {{ n + 1 }}
+        private const val STATUS = {{ n + 5 }}
+        private const val REASON = {{ n + 6 }}
+        private const val FIT_PROBLEM = {{ n + 7 }}
+        private const val REAL = {{ n + 8 }}
+        private const val WHOLE = {{ n + 11 }}
 
         /** The numbers of a reading but for event and status. */
-        const val NUMBERS = EVENT
+        const val NUMBERS = {{ n }}
 
-        fun heading(slots: DoubleArray, at: Int = 0): CompassHeading? = known(slots[at + HEADING])?.let {
-            CompassHeading(
-                headingDeg = it,
-                headingSigmaDeg = known(slots[at + HEADING_SIGMA]),
-                trueHeadingDeg = known(slots[at + TRUE_HEADING]),
-                inclinationDeg = known(slots[at + INCLINATION]),
+{% for field in reading.fields if field.is_record %}
+        fun {{ field.camel }}(slots: DoubleArray, at: Int = 0): {{ field.app }}? = known(slots[at + {{ field.leaves[0].slot }}])?.let {
+            {{ field.app }}(
+{% for leaf in field.leaves %}
+                {{ leaf.camel }} = {% if loop.first %}it{% elif leaf.none %}known(slots[at + {{ leaf.slot }}]){% else %}slots[at + {{ leaf.slot }}]{% endif %},
+{% endfor %}
             )
         }
 
-        fun attitude(slots: DoubleArray, at: Int = 0): DeviceAttitude? = known(slots[at + ATTITUDE])?.let {
-            DeviceAttitude(
-                w = it,
-                x = slots[at + ATTITUDE + 1],
-                y = slots[at + ATTITUDE + 2],
-                z = slots[at + ATTITUDE + 3],
-                sigmaDeg = known(slots[at + ATTITUDE_SIGMA]),
-            )
-        }
-
+{% endfor %}
         fun reading(slots: DoubleArray, at: Int, timeNs: Long): MagneticReading = reading(slots, at, timeNs, event(slots, at), status(slots, at))
 
         /** Of [slots] the [NUMBERS] alone are read. */
         fun reading(slots: DoubleArray, at: Int, timeNs: Long, event: FieldEvent?, status: CompensationStatus): MagneticReading = MagneticReading(
             timeNs = timeNs,
-            fieldUt = vectorOrNull(slots, at + FIELD),
-            fieldSigmaUt = known(slots[at + FIELD_SIGMA]),
-            filteredFieldUt = vectorOrNull(slots, at + FILTERED_FIELD),
-            totalFieldUt = known(slots[at + TOTAL_FIELD]),
-            heading = heading(slots, at),
-            attitude = attitude(slots, at),
-            sigmaT = known(slots[at + SIGMA_T]),
-            window = slots[at + WINDOW].toInt(),
-            coverage = slots[at + COVERAGE],
-            directionSigmaDeg = known(slots[at + DIRECTION_SIGMA]),
-            worstSigmaDeg = known(slots[at + WORST_SIGMA]),
-            modelOrder = modelOrder(slots, at),
-            reportedHardIronJumpUt = known(slots[at + REPORTED_JUMP]),
-            mode = mode(slots, at),
+{% for field in reading.fields %}
+            {{ field.camel }} = {% if field.kind == "vector" %}vectorOrNull(slots, at + {{ field.leaves[0].slot }}){% elif field.kind == "real" %}known(slots[at + {{ field.leaves[0].slot }}]){% elif field.kind == "count" %}slots[at + {{ field.leaves[0].slot }}].toInt(){% elif field.kind == "share" %}slots[at + {{ field.leaves[0].slot }}]{% else %}{{ field.camel }}(slots, at){% endif %},
+{% endfor %}
             event = event,
             status = status,
         )
@@ -194,11 +99,11 @@ public class ReadingBuffer {
             }
         }
 
-        private fun modelOrder(slots: DoubleArray, at: Int): ModelOrder? =
-            ModelOrder.entries.getOrNull(slots[at + MODEL_ORDER].toInt())
+{% for field in reading.fields if field.is_enum %}
+        private fun {{ field.camel }}(slots: DoubleArray, at: Int): {{ field.app }}{{ "?" if field.none }} = {{ field.app }}.entries{% if field.none %}.getOrNull(slots[at + {{ field.leaves[0].slot }}].toInt()){% else %}[slots[at + {{ field.leaves[0].slot }}].toInt()]{% endif %}
 
-        private fun mode(slots: DoubleArray, at: Int): SensorMode = SensorMode.entries[slots[at + MODE].toInt()]
 
+{% endfor %}
         /** [before] where it is the same. */
         private fun event(slots: DoubleArray, at: Int, before: FieldEvent? = null): FieldEvent? {
             val kind = FieldEventKind.entries.getOrNull(slots[at + EVENT].toInt()) ?: return null

@@ -1,5 +1,5 @@
 // swift-format-ignore-file
-// made by bindings/generate.sh from bindings/status.toml
+// made by bindings/generate.sh from bindings/status.toml and bindings/reading.toml
 import MagcompFFI
 
 // Converts the answers of the C path to the records that uniffi makes; a test compares every one with what uniffi says.
@@ -7,12 +7,11 @@ import MagcompFFI
 extension MagneticReading {
     init(_ c: MagcompReading, timeNs: Int64) {
         let heading = known(c.heading_deg).map {
-            CompassHeading(
-                headingDeg: $0, headingSigmaDeg: known(c.heading_sigma_deg), trueHeadingDeg: known(c.true_heading_deg),
-                inclinationDeg: known(c.inclination_deg))
+            CompassHeading(headingDeg: $0, headingSigmaDeg: known(c.heading_sigma_deg), trueHeadingDeg: known(c.true_heading_deg), inclinationDeg: known(c.inclination_deg))
         }
-        let (w, x, y, z) = c.attitude
-        let attitude = known(w).map { DeviceAttitude(w: $0, x: x, y: y, z: z, sigmaDeg: known(c.attitude_sigma_deg)) }
+        let attitude = known(c.attitude_w).map {
+            DeviceAttitude(w: $0, x: c.attitude_x, y: c.attitude_y, z: c.attitude_z, sigmaDeg: known(c.attitude_sigma_deg))
+        }
         self.init(
             timeNs: timeNs,
             fieldUt: vector(c.field_ut),

@@ -1,9 +1,10 @@
-//! `magcomp-bindings` writes what every language says of a status, from `bindings/status.toml`, `bindings/texts` and `bindings/templates`, into
+//! `magcomp-bindings` writes what every language says of a status, from `bindings/status.toml`, `bindings/reading.toml`, `bindings/texts` and `bindings/templates`, into
 //! the repository that is the current directory; `magcomp-bindings --check` fails where a file is not what it would write.
 
 mod codes;
 mod made;
 mod names;
+mod reading;
 mod table;
 mod texts;
 mod view;

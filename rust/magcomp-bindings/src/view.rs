@@ -1,6 +1,7 @@
 //! The table as templates ask for it: every name in every spelling, and where a field lies on the wire.
 
 use crate::names::{camel, snake};
+use crate::reading::Layout;
 use crate::table::{Case, Enum, Field};
 use crate::texts::placeholders;
 use serde::Serialize;
@@ -67,6 +68,7 @@ pub struct Values {
     pub enums: Vec<EnumView>,
     /// The same by their names.
     pub by_name: BTreeMap<String, EnumView>,
+    pub reading: Layout,
 }
 
 /// The enums in the table's order. `renamed`: their names in Kotlin and Swift.

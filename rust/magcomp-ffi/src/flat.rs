@@ -4,9 +4,8 @@
 
 use crate::compensator::Compensator;
 use crate::error::MagcompError;
+use crate::reading::FlatReading;
 use crate::record::{MagneticSample, RotationRateSample, UpSample, Vector3};
-use crate::status::{EventKind, ModelOrder, SensorMode, Status};
-use magcomp::nalgebra;
 
 /// The handle's object is closed or gone.
 pub(crate) const CLOSED: i32 = -1;
@@ -35,33 +34,6 @@ pub struct FlatEvent {
     pub(crate) kind: i32,
     pub(crate) since_ns: i64,
     pub(crate) decided_ns: i64,
-}
-
-/// `MagcompReading`.
-#[derive(Clone, Copy)]
-#[repr(C)]
-pub struct FlatReading {
-    pub(crate) field_ut: [f64; 3],
-    pub(crate) field_sigma_ut: f64,
-    pub(crate) filtered_field_ut: [f64; 3],
-    pub(crate) total_field_ut: f64,
-    pub(crate) heading_deg: f64,
-    pub(crate) heading_sigma_deg: f64,
-    pub(crate) true_heading_deg: f64,
-    pub(crate) inclination_deg: f64,
-    /// w, x, y, z.
-    pub(crate) attitude: [f64; 4],
-    pub(crate) attitude_sigma_deg: f64,
-    pub(crate) sigma_t: f64,
-    pub(crate) coverage: f64,
-    pub(crate) direction_sigma_deg: f64,
-    pub(crate) worst_sigma_deg: f64,
-    pub(crate) reported_hard_iron_jump_ut: f64,
-    pub(crate) window: i32,
-    pub(crate) mode: i32,
-    pub(crate) model_order: i32,
-    pub(crate) event: FlatEvent,
-    pub(crate) status: FlatStatus,
 }
 
 /// A raw magnetometer event, uT; `reported_ut` is the operating system's own hard iron, NaN for none.
@@ -99,61 +71,6 @@ pub(crate) fn code_of(error: &MagcompError) -> i32 {
         MagcompError::Panicked { .. } => PANICKED,
         // no other error comes from those who ask
         _ => CLOSED,
-    }
-}
-
-impl FlatReading {
-    /// `jump_ut`: by how much the operating system's own hard iron jumped, uT.
-    fn of(reading: &magcomp::Reading, jump_ut: Option<f64>) -> Self {
-        let magcomp::Reading {
-            time_ns: _, // the caller's own
-            field_ut,
-            field_sigma_ut,
-            filtered_field_ut,
-            total_field_ut,
-            heading,
-            attitude,
-            sigma_t,
-            window,
-            coverage,
-            direction_sigma_deg,
-            worst_sigma_deg,
-            model_order,
-            mode,
-            event,
-            status,
-        } = *reading;
-        let vector = |v: Option<nalgebra::Vector3<f64>>| v.map_or([f64::NAN; 3], Into::into);
-        let number = |v: Option<f64>| v.unwrap_or(f64::NAN);
-        Self {
-            field_ut: vector(field_ut),
-            field_sigma_ut: number(field_sigma_ut),
-            filtered_field_ut: vector(filtered_field_ut),
-            total_field_ut: number(total_field_ut),
-            heading_deg: number(heading.map(|heading| heading.heading_deg)),
-            heading_sigma_deg: number(heading.and_then(|heading| heading.heading_sigma_deg)),
-            true_heading_deg: number(heading.and_then(|heading| heading.true_heading_deg)),
-            inclination_deg: number(heading.and_then(|heading| heading.inclination_deg)),
-            attitude: attitude.map_or([f64::NAN; 4], |attitude| {
-                let q = attitude.to_world;
-                [q.w, q.i, q.j, q.k]
-            }),
-            attitude_sigma_deg: number(attitude.and_then(|attitude| attitude.sigma_deg)),
-            sigma_t: number(sigma_t),
-            coverage,
-            direction_sigma_deg: number(direction_sigma_deg),
-            worst_sigma_deg: number(worst_sigma_deg),
-            reported_hard_iron_jump_ut: number(jump_ut),
-            window: crate::convert::count(window),
-            mode: SensorMode::from(mode).code(),
-            model_order: model_order.map_or(NONE, |order| ModelOrder::from(order).code()),
-            event: event.map_or(FlatEvent { kind: NONE, since_ns: 0, decided_ns: 0 }, |event| FlatEvent {
-                kind: EventKind::from(event.kind).code(),
-                since_ns: event.since_ns,
-                decided_ns: event.decided_ns,
-            }),
-            status: Status::from(status).into(),
-        }
     }
 }
 
