@@ -1,6 +1,6 @@
 //! The files that are made: their paths in the repository and what stands in them.
 
-use crate::{codes, reading, table, texts, view};
+use crate::{codes, config, reading, table, texts, view};
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment, UndefinedBehavior, Value};
@@ -16,6 +16,8 @@ const WHOLE: &[(&str, &str)] = &[
     ("status.rs", "rust/magcomp-ffi/src/status.rs"),
     ("reading.rs", "rust/magcomp-ffi/src/reading.rs"),
     ("slots.rs", "rust/magcomp-ffi/src/fast/slots.rs"),
+    ("config.rs", "rust/magcomp-ffi/src/config/records.rs"),
+    ("Builders.kt", "android/library/src/main/kotlin/org/magcomp/Builders.kt"),
     ("magcomp.h", "rust/magcomp-ffi/include/magcomp.h"),
     ("status_c.rs", "c/src/status.rs"),
     ("ReadingBuffer.kt", "android/library/src/main/kotlin/org/magcomp/ReadingBuffer.kt"),
@@ -78,7 +80,8 @@ pub fn files(root: &Path) -> Result<Vec<File>, String> {
     let enums = view::enums(&enums, &renamed)?;
     let by_name = enums.iter().map(|one| (one.name.clone(), one.clone())).collect();
     let reading = reading::read(&content(root, "bindings/reading.toml")?, &enums, &renamed)?;
-    let values = Value::from(Serde(view::Values { enums, by_name, reading }));
+    let settings = config::read(&content(root, "bindings/config.toml")?, &renamed)?;
+    let values = Value::from(Serde(view::Values { enums, by_name, reading, settings }));
     let mut environment = Environment::new();
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build();
     environment.set_syntax(syntax.expect("the usual delimiters"));

@@ -92,7 +92,10 @@ impl Enum {
             if case.fields.len() > 1 && case.nested().is_some() {
                 return refuse("an enum is the only field of its case".to_owned());
             }
-            for field in &case.fields {
+            for (k, field) in case.fields.iter().enumerate() {
+                if case.fields[..k].iter().any(|other| other.name == field.name) {
+                    return refuse(format!("field {} is there twice", field.name));
+                }
                 let is_enum = all.iter().any(|one| one.name == field.kind);
                 if !is_enum && !PLAIN_KINDS.contains(&field.kind.as_str()) {
                     return refuse(format!(
@@ -114,5 +117,74 @@ impl Enum {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TABLE: &str = r#"
+        [Kind]
+        meaning = "x"
+        texts = "kind"
+
+        [[Kind.cases]]
+        name = "One"
+        code = 0
+        meaning = "x"
+        text.en = "one of {many:int}"
+        fields = [{ name = "many", kind = "count", meaning = "x", example = 3 }]
+
+        [[Kind.cases]]
+        name = "Two"
+        code = 1
+        meaning = "x"
+        fields = [{ name = "other", kind = "Other", meaning = "x" }]
+
+        [Other]
+        meaning = "x"
+
+        [[Other.cases]]
+        name = "Only"
+        code = 0
+        meaning = "x"
+    "#;
+
+    fn refused(was: &str, is: &str) -> String {
+        assert!(TABLE.contains(was), "{was}");
+        read(&TABLE.replace(was, is)).expect_err(is)
+    }
+
+    #[test]
+    fn a_table_is_read_in_its_order() {
+        let enums = read(TABLE).unwrap();
+        assert_eq!(enums.iter().map(|one| one.name.as_str()).collect::<Vec<_>>(), ["Kind", "Other"]);
+        assert_eq!(enums[0].cases[1].nested().map(|field| field.kind.as_str()), Some("Other"));
+        assert!(enums[0].cases[0].nested().is_none());
+    }
+
+    #[test]
+    fn what_the_languages_cannot_be_made_from_is_refused_by_name() {
+        let why = refused("code = 1", "code = 0");
+        assert_eq!(why, "bindings/status.toml: Kind.Two: its name or its code 0 is that of One too");
+        assert!(refused("\"Two\"", "\"One\"").contains("Kind.One: its name or its code 1 is that of One too"));
+        assert!(refused("code = 1", "code = 2").contains("Kind.Two: code is 2, expected 1"));
+        assert!(refused("\"count\"", "\"number\"").contains("field many has the kind number"));
+        assert!(refused(", example = 3", "").contains("field many has no example"));
+        assert!(refused("text.en", "text.de").contains("Kind.One: it has no text.en"));
+        assert!(refused("meaning = \"x\" }]", "meaning = \"x\" }, { name = \"a\", kind = \"count\", meaning = \"x\", example = 1 }]").contains("only field"));
+        let again = "example = 3 }, { name = \"many\", kind = \"count\", meaning = \"x\", example = 3 }";
+        assert!(refused("example = 3 }", again).contains("field many is there twice"));
+        let many = |kind: &str, n: usize| {
+            let field = |k| format!("{{ name = \"a{k}\", kind = \"{kind}\", meaning = \"x\", example = 1 }}");
+            let fields = (0..n).map(field).collect::<Vec<_>>().join(", ");
+            TABLE.replace("{ name = \"many\", kind = \"count\", meaning = \"x\", example = 3 }", &fields)
+        };
+        for (kind, most) in [("time", 2), ("axis", 2), ("real", 3), ("signed_axis", 3)] {
+            assert!(read(&many(kind, most)).is_ok(), "{kind}");
+            assert!(read(&many(kind, most + 1)).unwrap_err().contains("two whole numbers and three others"), "{kind}");
+        }
+        assert!(refused("texts = \"kind\"", "text = \"kind\"").contains("unknown field `text`"));
     }
 }

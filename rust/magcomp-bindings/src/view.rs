@@ -1,5 +1,6 @@
 //! The table as templates ask for it: every name in every spelling, and where a field lies on the wire.
 
+use crate::config::GroupView;
 use crate::names::{camel, snake};
 use crate::reading::Layout;
 use crate::table::{Case, Enum, Field};
@@ -69,6 +70,7 @@ pub struct Values {
     /// The same by their names.
     pub by_name: BTreeMap<String, EnumView>,
     pub reading: Layout,
+    pub settings: Vec<GroupView>,
 }
 
 /// The enums in the table's order. `renamed`: their names in Kotlin and Swift.
