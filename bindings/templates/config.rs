@@ -12,11 +12,11 @@ use crate::record::{Calibration, ReferenceAxis, ScreenRotation};
 {% macro rust_type(field) %}
 {{ "f64" if field.kind == "real" else "i32" if field.kind == "count" else "bool" if field.kind == "flag" else field.kind }}
 {%- endmacro %}
-{% macro from_core(field) %}
-{% if field.none and field.kind == "real" and field.core == field.name %}{{ field.name }}{% else %}{{ field.name }}: {{ as_some(field) }}{% endif %}
-{%- endmacro %}
 {% macro as_some(field) %}
 {% if not field.core %}Some({{ field.default }}){% elif field.none %}{{ field.core }}{{ ".map(Into::into)" if field.kind != "real" }}{% elif field.kind == "real" %}Some({{ field.core }}){% elif field.kind == "count" %}Some(count({{ field.core }})){% else %}Some({{ field.core }}.into()){% endif %}
+{%- endmacro %}
+{% macro from_core(field) %}
+{% if field.none and field.kind == "real" and field.core == field.name %}{{ field.name }}{% else %}{{ field.name }}: {{ as_some(field) }}{% endif %}
 {%- endmacro %}
 {% for group in settings %}
 /// {{ group.meaning }}

@@ -85,7 +85,11 @@ pub fn read(text: &str, renamed: &BTreeMap<String, String>) -> Result<Vec<GroupV
                     kind if kind.starts_with(char::is_uppercase) => renamed(kind),
                     _ => return refuse("its kind is not real, count, flag, or a type of the border"),
                 },
-                place: if group.place.is_empty() { field.name.clone() } else { format!("{}.{}", group.place, field.name) },
+                place: if group.place.is_empty() {
+                    field.name.clone()
+                } else {
+                    format!("{}.{}", group.place, field.name)
+                },
                 name: field.name,
                 kind: field.kind,
                 meaning: field.meaning,

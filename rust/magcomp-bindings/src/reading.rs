@@ -118,7 +118,12 @@ impl LeafView {
             "vector" => 3,
             "real" | "share" | "count" => 1,
             _ if is_enum => 1,
-            other => return Err(format!("{} has the kind {other}, expected vector, real, share, count, an enum, or a record with parts", part.name)),
+            other => {
+                return Err(format!(
+                    "{} has the kind {other}, expected vector, real, share, count, an enum, or a record with parts",
+                    part.name
+                ));
+            }
         };
         let flat = part.flat.as_ref().unwrap_or(&part.name);
         let mut buffer = Vec::new();
@@ -156,7 +161,8 @@ mod tests {
         read(fields, &[], &BTreeMap::new())
     }
 
-    const REAL: &str = "[[fields]]\nname = \"a_ut\"\nkind = \"real\"\nslot = \"A\"\nmeaning = \"x.\"\nnone = \"where y\"\n";
+    const REAL: &str =
+        "[[fields]]\nname = \"a_ut\"\nkind = \"real\"\nslot = \"A\"\nmeaning = \"x.\"\nnone = \"where y\"\n";
 
     #[test]
     fn fields_lie_one_after_the_other() {
@@ -173,7 +179,12 @@ mod tests {
     fn what_has_no_place_is_refused() {
         assert!(layout(&REAL.replace("slot = \"A\"\n", "")).err().unwrap().contains("no slot"));
         assert!(layout(&REAL.replace("\"real\"", "\"complex\"")).err().unwrap().contains("kind complex"));
-        assert!(layout(&REAL.replace("\"real\"", "\"vector\"")).err().unwrap().contains("0 names in the buffer, expected 3"));
+        assert!(
+            layout(&REAL.replace("\"real\"", "\"vector\""))
+                .err()
+                .unwrap()
+                .contains("0 names in the buffer, expected 3")
+        );
         assert!(layout(&format!("{REAL}{REAL}")).err().unwrap().contains("twice"));
         assert!(layout(&REAL.replace("none", "nine")).err().unwrap().contains("unknown field `nine`"));
     }

@@ -173,7 +173,13 @@ mod tests {
         assert!(refused("\"count\"", "\"number\"").contains("field many has the kind number"));
         assert!(refused(", example = 3", "").contains("field many has no example"));
         assert!(refused("text.en", "text.de").contains("Kind.One: it has no text.en"));
-        assert!(refused("meaning = \"x\" }]", "meaning = \"x\" }, { name = \"a\", kind = \"count\", meaning = \"x\", example = 1 }]").contains("only field"));
+        assert!(
+            refused(
+                "meaning = \"x\" }]",
+                "meaning = \"x\" }, { name = \"a\", kind = \"count\", meaning = \"x\", example = 1 }]"
+            )
+            .contains("only field")
+        );
         let again = "example = 3 }, { name = \"many\", kind = \"count\", meaning = \"x\", example = 3 }";
         assert!(refused("example = 3 }", again).contains("field many is there twice"));
         let many = |kind: &str, n: usize| {

@@ -43,8 +43,8 @@ pub use record::{
     ScreenRotation, SoftIron, Termination, UpSample, Vector3, correct, heading, true_heading_deg,
 };
 pub use status::{
-    Axis, Event, EventKind, EventRejection, FitProblem, HeadingAid, HoldReason, Missing, ModelOrder, RejectReason, SensorMode,
-    Status,
+    Axis, Event, EventKind, EventRejection, FitProblem, HeadingAid, HoldReason, Missing, ModelOrder, RejectReason,
+    SensorMode, Status,
 };
 
 uniffi::setup_scaffolding!();
