@@ -47,7 +47,7 @@ pub enum Reason {
     NoGyroscope = 9,
     /// Held: method `Constant` alone: by choice it follows no changes.
     Constant = 10,
-    /// Rejected: a component is NaN or infinite. Look at the source.
+    /// Rejected: a component is NaN or infinite. Check where the samples come from.
     NotFinite = 11,
     /// Rejected: a component is beyond the setting `range_ut`. Is the unit microtesla?
     OutOfRange = 12,

@@ -193,7 +193,7 @@ impl From<Axis> for magcomp::Axis {
 /// Why a sample was not used.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Enum)]
 pub enum RejectReason {
-    /// A component is NaN or infinite. Look at the source.
+    /// A component is NaN or infinite. Check where the samples come from.
     NotFinite,
     /// A component is beyond the setting `range_ut`. Is the unit microtesla?
     OutOfRange {
