@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Writes bindings/kotlin and bindings/swift from the library, and the texts of both from bindings/texts. With --check, fails when the
-# committed ones differ.
+# Writes what every language says of a status, from bindings/status.toml and bindings/texts (rust/magcomp-bindings), then bindings/kotlin and
+# bindings/swift from the library. With --check, fails when the committed ones differ.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 case "${1:-}" in
@@ -9,6 +9,8 @@ case "${1:-}" in
 esac
 . tests/need.sh
 need bindings "${rust_tools[@]}" perl:perl-base
+# first: the library is built from what it writes
+cargo run --quiet --locked --profile test --package magcomp-bindings -- "$@"
 . tests/native.sh
 # alone: beside the workspace its features would make cargo build Arrow and Parquet a second time
 cargo build --quiet --locked --profile test --package uniffi-bindgen
@@ -25,18 +27,10 @@ for file in kotlin/org/magcomp/magcomp_ffi.kt swift/Magcomp.swift swift/MagcompF
 done
 perl bindings/uniffi.pl kotlin "$fresh/kotlin/org/magcomp/magcomp_ffi.kt"
 perl bindings/uniffi.pl swift "$fresh/swift/Magcomp.swift"
-perl bindings/texts.pl "$fresh/texts"
-made=(android/library/src/main/res android/library/src/maven android/aar/src/main/aar/R.txt ios/Sources/Magcomp/Resources ios/Sources/Magcomp/EnglishTexts.swift)
 if [ "${1:-}" = --check ]; then
     for language in kotlin swift; do
         diff -r "bindings/$language" "$fresh/$language" || {
             echo "bindings: the committed $language differs (<) from a new one (>); run bindings/generate.sh and commit" >&2
-            exit 1
-        }
-    done
-    for part in "${made[@]}"; do
-        diff -r "$part" "$fresh/texts/$part" || {
-            echo "bindings: the committed $part differs (<) from a new one (>); run bindings/generate.sh and commit" >&2
             exit 1
         }
     done
@@ -45,9 +39,5 @@ else
     for language in kotlin swift; do
         rm -rf "bindings/$language"
         cp -r "$fresh/$language" "bindings/$language"
-    done
-    for part in "${made[@]}"; do
-        rm -rf "$part"
-        cp -r "$fresh/texts/$part" "$part"
     done
 fi

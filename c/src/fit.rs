@@ -4,7 +4,7 @@ use crate::calibration::Calibration;
 use crate::compensator::{Compensator, TURN, code, with};
 use crate::error::{Error, Failure, caught};
 use crate::grows::{Grows, fill, room};
-use crate::reading::FitProblem;
+use crate::status::FitProblem;
 use magcomp_core::nalgebra::{SMatrix, Vector3};
 use magcomp_core::{EllipsoidFit, FitOptions};
 use std::mem::offset_of;

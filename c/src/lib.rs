@@ -14,6 +14,9 @@ mod fit;
 mod grows;
 mod outside;
 mod reading;
+// made, for people to read and not to edit
+#[rustfmt::skip]
+mod status;
 #[cfg(test)]
 mod tests;
 

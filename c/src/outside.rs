@@ -2,6 +2,7 @@
 
 use crate::compensator::{Compensator, code, with};
 use crate::error::{Error, Failure};
+use crate::status::HeadingAid;
 use magcomp_core::nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use magcomp_core::{AttitudeSample, EventRejection, HeadedAxis, HeadingSample, NorthReference, Yaw};
 
@@ -15,20 +16,6 @@ pub enum North {
     True = 1,
     /// Magnetic north.
     Magnetic = 2,
-}
-
-/// What headings from outside are worth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(i32)]
-pub enum HeadingAid {
-    /// None came in the last two minutes.
-    None = 0,
-    /// They agree with the magnetometer, which knows north at least as well by itself.
-    Used = 1,
-    /// North is what they say, carried by the gyroscope: the magnetometer knows it less well.
-    Leads = 2,
-    /// The latest one contradicts what is known, and is ignored.
-    Disagrees = 3,
 }
 
 /// A caller may pass any number where the header says `magcomp_north`.
@@ -112,12 +99,7 @@ pub unsafe extern "C" fn magcomp_compensator_heading_aid(compensator: *const Com
     if let Some(it) = unsafe { compensator.as_ref() } {
         // a failure is a panic, and was told by the call that panicked
         _ = it.with(|core| {
-            aid = match core.compensator.heading_aid() {
-                None => HeadingAid::None,
-                Some(magcomp_core::HeadingAid::Used) => HeadingAid::Used,
-                Some(magcomp_core::HeadingAid::Leads) => HeadingAid::Leads,
-                Some(magcomp_core::HeadingAid::Disagrees) => HeadingAid::Disagrees,
-            };
+            aid = core.compensator.heading_aid().map_or(HeadingAid::None, Into::into);
             Ok(())
         });
     }

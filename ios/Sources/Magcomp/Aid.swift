@@ -8,17 +8,6 @@ extension HeadedAxis {
     public static let heldAhead = HeadedAxis.device(axis: DeviceVector(x: 0, y: 1, z: -1))
 }
 
-extension HeadingAid {
-    /// One sentence an app may show, in the app's language.
-    public var localizedText: String {
-        switch self {
-        case .used: say("aid_used")
-        case .leads: say("aid_leads")
-        case .disagrees: say("aid_disagrees")
-        }
-    }
-}
-
 extension AttitudeSample {
     /// The pose of ARKit's camera, whose world has a y axis that points up and is turned to anywhere: its turns alone count. Not for a
     /// session with `.gravityAndHeading`, whose yaw is the system's compass.

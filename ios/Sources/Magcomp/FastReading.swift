@@ -1,17 +1,17 @@
+// swift-format-ignore-file
+// made by bindings/generate.sh from bindings/status.toml and bindings/reading.toml
 import MagcompFFI
 
-// Converts the answers of the C path to the records that uniffi makes. Cases are counted in the order of their declaration in
-// rust/magcomp-ffi/src/c.rs; a test compares every one with what uniffi says.
+// Converts the answers of the C path to the records that uniffi makes; a test compares every one with what uniffi says.
 
 extension MagneticReading {
     init(_ c: MagcompReading, timeNs: Int64) {
         let heading = known(c.heading_deg).map {
-            CompassHeading(
-                headingDeg: $0, headingSigmaDeg: known(c.heading_sigma_deg), trueHeadingDeg: known(c.true_heading_deg),
-                inclinationDeg: known(c.inclination_deg))
+            CompassHeading(headingDeg: $0, headingSigmaDeg: known(c.heading_sigma_deg), trueHeadingDeg: known(c.true_heading_deg), inclinationDeg: known(c.inclination_deg))
         }
-        let (w, x, y, z) = c.attitude
-        let attitude = known(w).map { DeviceAttitude(w: $0, x: x, y: y, z: z, sigmaDeg: known(c.attitude_sigma_deg)) }
+        let attitude = known(c.attitude_w).map {
+            DeviceAttitude(w: $0, x: c.attitude_x, y: c.attitude_y, z: c.attitude_z, sigmaDeg: known(c.attitude_sigma_deg))
+        }
         self.init(
             timeNs: timeNs,
             fieldUt: vector(c.field_ut),
@@ -39,6 +39,9 @@ private func known(_ value: Double) -> Double? { value.isNaN ? nil : value }
 private func vector(_ v: (Double, Double, Double)) -> DeviceVector? {
     v.0.isNaN ? nil : DeviceVector(x: v.0, y: v.1, z: v.2)
 }
+
+/// An axis as a number: 1 to 3, negative where it points the other way; 0 for what is none.
+private func axis(_ number: Double) -> Int32 { Int32(exactly: number) ?? 0 }
 
 /// The header and the library are of one build: only a defect leads here.
 private func unknown(_ what: String, _ code: Int32) -> Never {
@@ -103,7 +106,7 @@ extension CollectingReason {
     fileprivate init(_ c: MagcompStatus) {
         self =
             switch c.reason {
-            case 0: .samples(have: Int32(c.whole.0), need: Int32(c.whole.1))
+            case 0: .samples(have: Int32(clamping: c.whole.0), need: Int32(clamping: c.whole.1))
             case 1: .fit(problem: FitProblem(c))
             case 2: .rotation
             case 3: .directions
@@ -137,9 +140,26 @@ extension RejectReason {
             case 2: .saturated(axis: DeviceAxis(c.whole.0), valueUt: a, railUt: b)
             case 3: .timeNotAfter(timeNs: c.whole.0, latestNs: c.whole.1)
             case 4: .timeJump(gapS: a, limitS: b)
-            case 5: .stuck(repeats: Int32(c.whole.0))
-            case 6: .axes(x: Int32(a), y: Int32(b), z: Int32(third))
+            case 5: .stuck(repeats: Int32(clamping: c.whole.0))
+            case 6: .axes(x: axis(a), y: axis(b), z: axis(third))
             default: unknown("reject reason", c.reason)
+            }
+    }
+}
+
+extension FitProblem {
+    fileprivate init(_ c: MagcompStatus) {
+        let (a, b, third) = c.real
+        self =
+            switch c.problem {
+            case 0: .tooFewSamples(have: Int32(clamping: c.whole.0))
+            case 1: .planar(thicknessUt: a)
+            case 2: .poorCoverage(directionSigmaDeg: a, limitDeg: b)
+            case 3: .inconsistent(residualUt: a, limitUt: b)
+            case 4: .notAnEllipsoid
+            case 5: .fieldOutOfRange(fieldUt: a, lowUt: b, highUt: third)
+            case 6: .notFinite
+            default: unknown("fit problem", c.problem)
             }
     }
 }
@@ -161,22 +181,5 @@ extension DeviceAxis {
         case .y: "y"
         case .z: "z"
         }
-    }
-}
-
-extension FitProblem {
-    fileprivate init(_ c: MagcompStatus) {
-        let (a, b, third) = c.real
-        self =
-            switch c.problem {
-            case 0: .tooFewSamples(have: Int32(c.whole.0))
-            case 1: .planar(thicknessUt: a)
-            case 2: .poorCoverage(directionSigmaDeg: a, limitDeg: b)
-            case 3: .inconsistent(residualUt: a, limitUt: b)
-            case 4: .notAnEllipsoid
-            case 5: .fieldOutOfRange(fieldUt: a, lowUt: b, highUt: third)
-            case 6: .notFinite
-            default: unknown("fit problem", c.problem)
-            }
     }
 }

@@ -1,3 +1,4 @@
+// made by bindings/generate.sh from bindings/reading.toml
 // The C path for a stream of sensor events, beside what uniffi generates (MagcompFFI.h): plain numbers in, one struct out,
 // no allocation. `rust/magcomp-ffi/src/c.rs` implements it; the Swift class `Compensator` wraps it.
 //
@@ -17,8 +18,8 @@ enum {
     MAGCOMP_NO_ROOM = -3,
 };
 
-/// What the compensator is doing. `kind` and `reason` count the cases of `Status` and of the enum it carries, in the order
-/// of their declaration, from 0; `problem` those of `FitProblem` where `reason` carries one. -1: none.
+/// What the compensator is doing: the codes of bindings/status.toml. `kind` is one of `Status`, `reason` one of the enum it carries, `problem` one of
+/// `FitProblem` where `reason` carries it. -1: none.
 /// Whole numbers and reals are the case's fields, in order; an axis is a whole number, 0 to 2, and three axes are reals.
 typedef struct MagcompStatus {
     int32_t kind;
@@ -28,7 +29,7 @@ typedef struct MagcompStatus {
     double real[3];
 } MagcompStatus;
 
-/// The latest decided change. `kind` counts the cases of `EventKind`; -1: none.
+/// The latest decided change. `kind` is a code of `EventKind`; -1: none.
 typedef struct MagcompEvent {
     int32_t kind;
     int64_t since_ns;
@@ -45,19 +46,21 @@ typedef struct MagcompReading {
     double heading_sigma_deg;
     double true_heading_deg;
     double inclination_deg;
-    /// The quaternion w, x, y, z.
-    double attitude[4];
+    double attitude_w;
+    double attitude_x;
+    double attitude_y;
+    double attitude_z;
     double attitude_sigma_deg;
     double sigma_t;
+    int32_t window;
     double coverage;
     double direction_sigma_deg;
     double worst_sigma_deg;
-    double reported_hard_iron_jump_ut;
-    int32_t window;
-    /// Counts the cases of `SensorMode`.
-    int32_t mode;
-    /// Counts the cases of `ModelOrder`; -1: none.
+    /// A code of `ModelOrder`; -1: none.
     int32_t model_order;
+    double reported_hard_iron_jump_ut;
+    /// A code of `SensorMode`.
+    int32_t mode;
     MagcompEvent event;
     MagcompStatus status;
 } MagcompReading;

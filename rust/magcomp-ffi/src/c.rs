@@ -7,7 +7,8 @@
 #![allow(unsafe_code)]
 
 use crate::compensator::find;
-use crate::flat::{self, ACCEPTED, CLOSED, FlatReading};
+use crate::flat::{self, ACCEPTED, CLOSED};
+use crate::reading::FlatReading;
 use crate::record::Vector3;
 
 const NO_ROOM: i32 = -3;

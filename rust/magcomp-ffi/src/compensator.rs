@@ -4,7 +4,8 @@ use crate::config::Config;
 use crate::error::MagcompError;
 use crate::guarded::{Guarded, caught};
 use crate::handles::Handles;
-use crate::record::{Calibration, Coverage, Fit, HeadingFrame, MagneticSample, Reading, RotationRateSample, UpSample};
+use crate::reading::Reading;
+use crate::record::{Calibration, Coverage, Fit, HeadingFrame, MagneticSample, RotationRateSample, UpSample};
 use magcomp::nalgebra::{Matrix3, Vector3};
 use std::sync::{Arc, OnceLock};
 

@@ -1,8 +1,12 @@
 //! The config as it crosses the border: every field may be left out, and then is the core's default.
 
-mod convert;
+// made, for people to read and not to edit
+#[rustfmt::skip]
+mod records;
 
-use crate::record::{Calibration, ReferenceAxis, ScreenRotation};
+use crate::convert::same_names;
+use crate::error::MagcompError;
+pub use records::{Config, FitOptions, HeadingConfig, WindowedConfig};
 
 /// How the hard and soft iron are estimated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
@@ -19,44 +23,6 @@ pub enum Method {
     Constant,
 }
 
-/// All settings of a compensator. A setting left out has the library's default; `default_config()` shows them all.
-#[derive(Clone, Debug, PartialEq, uniffi::Record)]
-pub struct Config {
-    /// How the hard and soft iron are estimated. Default `Auto`.
-    #[uniffi(default = None)]
-    pub method: Option<Method>,
-    /// A calibration to begin with, from elsewhere; that of the last launch is for `adopt_kept`. Default none.
-    #[uniffi(default = None)]
-    pub initial: Option<Calibration>,
-    /// One standard deviation of each component of `initial`'s hard iron, microtesla, 0.01 to 1000. Default 2; larger makes the
-    /// first headings less sure, and learning faster.
-    #[uniffi(default = None)]
-    pub initial_sigma_ut: Option<f64>,
-    /// Whether the operating system's own hard-iron estimate, where samples carry one, becomes the first calibration
-    /// when there is no other. There are then readings from the first sample on, with a standard deviation of 13
-    /// microtesla per axis. Default true.
-    #[uniffi(default = None)]
-    pub use_reported_hard_iron: Option<bool>,
-    /// Largest component of a raw sample, microtesla, 1 to 100 000; a larger one is rejected. Default 2000; larger accepts stronger
-    /// magnets.
-    #[uniffi(default = None)]
-    pub range_ut: Option<f64>,
-    /// The magnetometer's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected
-    /// as saturated. 1 to 100 000. Default none: it is found once an axis has read the same extreme again and again in motion.
-    #[uniffi(default = None)]
-    pub rail_ut: Option<f64>,
-    /// The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
-    /// carries the sensor's scale. Every method listens to it. Default none: found by the method.
-    #[uniffi(default = None)]
-    pub field_strength_ut: Option<f64>,
-    /// How headings are reported.
-    #[uniffi(default = None)]
-    pub heading: Option<HeadingConfig>,
-    /// The paper's method.
-    #[uniffi(default = None)]
-    pub windowed: Option<WindowedConfig>,
-}
-
 /// The residual that a fit squares and sums.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
 pub enum Residual {
@@ -64,40 +30,6 @@ pub enum Residual {
     Algebraic,
     /// Divided by its own gradient: a distance in raw units, free of the noise bias.
     Corrected,
-}
-
-/// What a fit accepts and how it iterates. A field left out is the default.
-#[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
-pub struct FitOptions {
-    /// The residual that a fit squares and sums. Default `Corrected`.
-    #[uniffi(default = None)]
-    pub residual: Option<Residual>,
-    /// The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
-    /// carries the sensor's scale. Every method listens to it. Default none: found by the method.
-    #[uniffi(default = None)]
-    pub field_strength_ut: Option<f64>,
-    /// Smallest field strength accepted, microtesla, 1 or more. Default 22.
-    #[uniffi(default = None)]
-    pub field_low_ut: Option<f64>,
-    /// Largest field strength accepted, microtesla, at most 1000. Default 67.
-    #[uniffi(default = None)]
-    pub field_high_ut: Option<f64>,
-    /// Largest predicted rms direction error, degrees, 0.001 to 180, that is accepted. Default 10; larger accepts poorer coverage.
-    #[uniffi(default = None)]
-    pub max_direction_sigma_deg: Option<f64>,
-    /// Least white noise, microtesla per axis, 0 to 1000, for which the direction error is predicted. Default 5.
-    #[uniffi(default = None)]
-    pub noise_floor_ut: Option<f64>,
-    /// Largest residual rms that is accepted, as a share of the field strength, 0.0001 to 1000. Default 0.05.
-    #[uniffi(default = None)]
-    pub max_residual_share: Option<f64>,
-    /// Iterations at the most, 1 to 1000. Default 50.
-    #[uniffi(default = None)]
-    pub max_iterations: Option<i32>,
-    /// The iteration has converged when a step changes no parameter by more than this (field strengths), 1e-16 to 0.1. Default
-    /// 1e-10.
-    #[uniffi(default = None)]
-    pub tolerance: Option<f64>,
 }
 
 /// How the standard deviations in sigma_T are normalised.
@@ -109,70 +41,83 @@ pub enum Normalisation {
     EvenSphere,
 }
 
-/// The paper's method. A field left out is the default.
-#[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
-pub struct WindowedConfig {
-    /// N_min, samples, 9 to N_max: the shortest window. Default 100.
-    #[uniffi(default = None)]
-    pub n_min: Option<i32>,
-    /// N_max, samples, at most 100 000: the longest window. Default 2000.
-    #[uniffi(default = None)]
-    pub n_max: Option<i32>,
-    /// sigma_th, dimensionless, 0 to 10: below it nothing is updated. Default 0.1.
-    #[uniffi(default = None)]
-    pub sigma_th: Option<f64>,
-    /// How the standard deviations in sigma_T are normalised. Default `HalfRange`.
-    #[uniffi(default = None)]
-    pub normalisation: Option<Normalisation>,
-    /// The residual that fits square and sum. Default `Corrected`. `Algebraic` follows the paper as written: a window
-    /// is fitted however far its samples lie from one ellipsoid.
-    #[uniffi(default = None)]
-    pub residual: Option<Residual>,
-    /// Least white noise, microtesla per axis, 0 to 1000, for which a fit is judged. Default 5; smaller accepts poorer
-    /// coverage where the residual is small.
-    #[uniffi(default = None)]
-    pub noise_floor_ut: Option<f64>,
-}
-
-/// How headings are reported. A field left out is the default.
-#[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
-pub struct HeadingConfig {
-    /// The axis whose heading it is. Default `Auto`.
-    #[uniffi(default = None)]
-    pub axis: Option<ReferenceAxis>,
-    /// How the screen's content is turned. Default not at all.
-    #[uniffi(default = None)]
-    pub screen_rotation: Option<ScreenRotation>,
-    /// Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. Default none.
-    #[uniffi(default = None)]
-    pub declination_deg: Option<f64>,
-    /// Standard deviation of `up` at rest, degrees, 0 to 90, for `heading_sigma_deg`; what motion adds to gravity comes on top. Default 0.5.
-    #[uniffi(default = None)]
-    pub tilt_sigma_deg: Option<f64>,
-}
-
 /// The library's defaults, every field given.
 #[uniffi::export]
 pub fn default_config() -> Config {
-    let magcomp::Config {
-        method,
-        initial,
-        initial_sigma_ut,
-        range_ut,
-        rail_ut,
-        field_strength_ut,
-        heading: _,
-        windowed,
-    } = magcomp::Config::default();
-    Config {
-        method: Some(method.into()),
-        initial: initial.map(Into::into),
-        initial_sigma_ut: Some(initial_sigma_ut),
-        use_reported_hard_iron: Some(true),
-        range_ut: Some(range_ut),
-        rail_ut,
-        field_strength_ut,
-        heading: Some(HeadingConfig::default()),
-        windowed: Some(windowed.into()),
+    Config::default()
+}
+
+same_names! {
+    Method { Auto, Aided, Adaptive, Windowed, Constant }
+    Residual { Algebraic, Corrected }
+    Normalisation { HalfRange, EvenSphere }
+}
+
+/// A count of the core's; `field` is where it stands in the config.
+fn size(field: &str, n: i32) -> Result<usize, MagcompError> {
+    usize::try_from(n).map_err(|_| MagcompError::Config {
+        field: field.to_owned(),
+        value: n.to_string(),
+        expected: "0 or above".to_owned(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The core's defaults with a phone's axis.
+    fn phone() -> magcomp::Config {
+        let heading = magcomp::HeadingConfig { axis: magcomp::ReferenceAxis::Auto, ..Default::default() };
+        magcomp::Config { heading, ..Default::default() }
+    }
+
+    #[test]
+    fn the_defaults_come_back_as_they_went() {
+        assert_eq!(magcomp::Config::try_from(default_config()), Ok(phone()));
+    }
+
+    #[test]
+    fn what_is_left_out_is_the_default() {
+        let windowed = WindowedConfig {
+            n_min: Some(50),
+            n_max: None,
+            sigma_th: None,
+            normalisation: None,
+            residual: None,
+            noise_floor_ut: None,
+        };
+        let config = Config {
+            method: None,
+            initial: None,
+            initial_sigma_ut: None,
+            use_reported_hard_iron: None,
+            range_ut: None,
+            rail_ut: None,
+            field_strength_ut: Some(48.0),
+            heading: None,
+            windowed: Some(windowed),
+        };
+        let expected = magcomp::Config {
+            field_strength_ut: Some(48.0),
+            windowed: magcomp::WindowedConfig { n_min: 50, ..Default::default() },
+            ..phone()
+        };
+        assert_eq!(magcomp::Config::try_from(config), Ok(expected));
+    }
+
+    #[test]
+    fn what_is_out_of_range_is_named() {
+        let mut config = default_config();
+        config.windowed.as_mut().unwrap().n_min = Some(-3);
+        let expected = MagcompError::Config {
+            field: "windowed.n_min".to_owned(),
+            value: "-3".to_owned(),
+            expected: "0 or above".to_owned(),
+        };
+        assert_eq!(magcomp::Config::try_from(config.clone()), Err(expected));
+        config.windowed.as_mut().unwrap().n_min = Some(3);
+        let error = magcomp::Config::try_from(config.clone()).unwrap_err();
+        assert_eq!(error.to_string(), "config: windowed.n_min is 3, expected at least 9 samples");
     }
 }

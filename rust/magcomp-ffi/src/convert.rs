@@ -21,3 +21,13 @@ pub(crate) use same_names;
 pub(crate) fn count(n: usize) -> i32 {
     i32::try_from(n).unwrap_or(i32::MAX)
 }
+
+/// A count of the border's, as the core has it.
+pub(crate) fn size(n: i32) -> usize {
+    usize::try_from(n).unwrap_or(0)
+}
+
+/// 1 to 3, or negative; anything else is none.
+pub(crate) fn axis_of(n: i32) -> i8 {
+    i8::try_from(n).unwrap_or(0)
+}

@@ -1,15 +1,19 @@
 //! The JNI fast path: primitives in, a caller-owned array out, no allocation in a push.
 //!
 //! `org.magcomp.FastPath` declares these functions; `handles` finds the object. Each answers a number: 0 or more is an
-//! answer, below 0 an error of this list. The array's layout is `Slot`; `ReadingBuffer` in Kotlin reads it, and its test
+//! answer, below 0 an error of this list. The array's layout is that of `slots`; `ReadingBuffer` in Kotlin reads it, and its test
 //! compares every status with what uniffi says.
 
 // the exported names are `#[unsafe(no_mangle)]`; there is no other unsafe code here
 #![allow(unsafe_code)]
 
+// made, for people to read and not to edit
+#[rustfmt::skip]
+mod slots;
+
 use crate::compensator::find;
 use crate::error::MagcompError;
-use crate::flat::{self, ACCEPTED, CLOSED, FlatReading, FlatStatus};
+use crate::flat::{self, ACCEPTED, CLOSED};
 use crate::java::{Env, JavaArray};
 use crate::record::{Calibration, Coverage, Vector3};
 use jni::jni_mangle;
@@ -20,112 +24,10 @@ const TOO_SHORT: jint = -3;
 /// A batch holds a kind of event that does not exist.
 const NO_SUCH_KIND: jint = -4;
 
-/// What `out` holds, in doubles: the numbers of `FlatReading`, a time or another whole number of 64 bits as two.
-mod slot {
-    // up to EVENT the numbers that a reading of `Compass` copies: what comes after changes seldom, and is kept as objects
-    pub(super) const FIELD: usize = 0;
-    pub(super) const FILTERED_FIELD: usize = 3;
-    pub(super) const TOTAL_FIELD: usize = 6;
-    pub(super) const HEADING: usize = 7;
-    pub(super) const HEADING_SIGMA: usize = 8;
-    pub(super) const TRUE_HEADING: usize = 9;
-    pub(super) const INCLINATION: usize = 10;
-    pub(super) const SIGMA_T: usize = 11;
-    pub(super) const WINDOW: usize = 12;
-    pub(super) const COVERAGE: usize = 13;
-    pub(super) const REPORTED_JUMP: usize = 14;
-    pub(super) const FIELD_SIGMA: usize = 15;
-    pub(super) const MODE: usize = 16;
-    pub(super) const DIRECTION_SIGMA: usize = 17;
-    pub(super) const WORST_SIGMA: usize = 18;
-    pub(super) const MODEL_ORDER: usize = 19;
-    /// Four numbers.
-    pub(super) const ATTITUDE: usize = 20;
-    pub(super) const ATTITUDE_SIGMA: usize = 24;
-    pub(super) const EVENT: usize = 25;
-    /// Two times.
-    pub(super) const EVENT_TIMES: usize = 26;
-    pub(super) const STATUS: usize = 30;
-    pub(super) const REASON: usize = 31;
-    pub(super) const FIT_PROBLEM: usize = 32;
-    /// Three numbers.
-    pub(super) const REAL: usize = 33;
-    /// Two whole numbers.
-    pub(super) const WHOLE: usize = 36;
-    pub(super) const COUNT: usize = 40;
-}
-
-type Slots = [f64; slot::COUNT];
-
-/// A whole number as two numbers a double holds exactly: the upper and the lower 32 bits.
-fn write_whole(numbers: [i64; 2], at: usize, out: &mut Slots) {
-    for (number, halves) in numbers.iter().zip(out[at..at + 4].chunks_exact_mut(2)) {
-        halves[0] = (number >> 32) as f64;
-        halves[1] = (number & 0xffff_ffff) as f64;
-    }
-}
-
-fn write_status(status: &FlatStatus, out: &mut Slots) {
-    let FlatStatus { kind, reason, problem, whole, real } = *status;
-    out[slot::STATUS] = kind.into();
-    out[slot::REASON] = reason.into();
-    out[slot::FIT_PROBLEM] = problem.into();
-    out[slot::REAL..slot::REAL + 3].copy_from_slice(&real);
-    write_whole(whole, slot::WHOLE, out);
-}
-
-fn slots_of(reading: &FlatReading) -> Slots {
-    let FlatReading {
-        field_ut,
-        field_sigma_ut,
-        filtered_field_ut,
-        total_field_ut,
-        heading_deg,
-        heading_sigma_deg,
-        true_heading_deg,
-        inclination_deg,
-        attitude,
-        attitude_sigma_deg,
-        sigma_t,
-        coverage,
-        direction_sigma_deg,
-        worst_sigma_deg,
-        reported_hard_iron_jump_ut,
-        window,
-        mode,
-        model_order,
-        event,
-        status,
-    } = reading;
-    let mut out = [0.0; slot::COUNT];
-    write_status(status, &mut out);
-    out[slot::FIELD..slot::FIELD + 3].copy_from_slice(field_ut);
-    out[slot::FILTERED_FIELD..slot::FILTERED_FIELD + 3].copy_from_slice(filtered_field_ut);
-    out[slot::TOTAL_FIELD] = *total_field_ut;
-    out[slot::HEADING] = *heading_deg;
-    out[slot::HEADING_SIGMA] = *heading_sigma_deg;
-    out[slot::TRUE_HEADING] = *true_heading_deg;
-    out[slot::INCLINATION] = *inclination_deg;
-    out[slot::ATTITUDE..slot::ATTITUDE + 4].copy_from_slice(attitude);
-    out[slot::ATTITUDE_SIGMA] = *attitude_sigma_deg;
-    out[slot::SIGMA_T] = *sigma_t;
-    out[slot::WINDOW] = (*window).into();
-    out[slot::COVERAGE] = *coverage;
-    out[slot::REPORTED_JUMP] = *reported_hard_iron_jump_ut;
-    out[slot::FIELD_SIGMA] = *field_sigma_ut;
-    out[slot::MODE] = (*mode).into();
-    out[slot::DIRECTION_SIGMA] = *direction_sigma_deg;
-    out[slot::WORST_SIGMA] = *worst_sigma_deg;
-    out[slot::MODEL_ORDER] = (*model_order).into();
-    out[slot::EVENT] = event.kind.into();
-    write_whole([event.since_ns, event.decided_ns], slot::EVENT_TIMES, &mut out);
-    out
-}
-
 /// Doubles in `out`.
 #[jni_mangle("org.magcomp.FastPath")]
 pub fn slots(_env: Env, _class: jclass) -> jint {
-    slot::COUNT as jint
+    slots::COUNT as jint
 }
 
 /// A raw magnetometer event, uT; `bx` to `bz` are the operating system's own hard iron, NaN for none. Answers the
@@ -149,7 +51,7 @@ pub fn push(
     match flat::push(&compensator, time_ns, Vector3 { x, y, z }, Vector3 { x: bx, y: by, z: bz }) {
         Ok(reading) => {
             // the JVM checks the length, and throws IndexOutOfBoundsException
-            out.write(env, 0, &slots_of(&reading));
+            out.write(env, 0, &slots::of(&reading));
             reading.status.kind
         }
         Err(code) => code,
@@ -202,7 +104,7 @@ pub fn push_batch(
 ) -> jint {
     let Some(compensator) = find(handle) else { return CLOSED };
     let events = kinds.len(env);
-    let room = out.len(env) / slot::COUNT;
+    let room = out.len(env) / slots::COUNT;
     if times_ns.len(env) < events || values.len(env) < 3 * events {
         return TOO_SHORT;
     }
@@ -219,7 +121,7 @@ pub fn push_batch(
                 kind::MAGNETIC if readings == room => TOO_SHORT,
                 kind::MAGNETIC => match flat::push(&compensator, time_ns[k], xyz, NOT_REPORTED) {
                     Ok(reading) => {
-                        out.write(env, readings * slot::COUNT, &slots_of(&reading));
+                        out.write(env, readings * slots::COUNT, &slots::of(&reading));
                         readings += 1;
                         ACCEPTED
                     }
@@ -297,8 +199,8 @@ mod hooks {
     pub fn example_status(env: Env, _class: jclass, index: jint, out: JavaArray<jdouble>) -> jint {
         let examples = crate::status::examples();
         if let Some(status) = examples.get(index as usize) {
-            let mut slots = [f64::NAN; slot::COUNT];
-            write_status(&(*status).into(), &mut slots);
+            let mut slots = [f64::NAN; slots::COUNT];
+            slots::write_status(&(*status).into(), &mut slots);
             out.write(env, 0, &slots);
         }
         examples.len() as jint

@@ -1,13 +1,11 @@
 //! A reading and an answer as plain numbers, for the paths that carry no records: C as it stands, JNI written out as doubles.
 //!
-//! `include/magcomp.h` says what every number means. Cases count in the order of their declaration; what is not known is
-//! NaN, or -1 where a number counts cases.
+//! `include/magcomp.h` says what every number means. `status` has the cases' codes; what is not known is NaN, or -1 where a number is a code.
 
 use crate::compensator::Compensator;
 use crate::error::MagcompError;
+use crate::reading::FlatReading;
 use crate::record::{MagneticSample, RotationRateSample, UpSample, Vector3};
-use crate::status::{Axis, EventRejection, FitProblem, HoldReason, Missing, RejectReason, Status};
-use magcomp::{EventKind, ModelOrder, SensorMode, nalgebra};
 
 /// The handle's object is closed or gone.
 pub(crate) const CLOSED: i32 = -1;
@@ -38,33 +36,6 @@ pub struct FlatEvent {
     pub(crate) decided_ns: i64,
 }
 
-/// `MagcompReading`.
-#[derive(Clone, Copy)]
-#[repr(C)]
-pub struct FlatReading {
-    pub(crate) field_ut: [f64; 3],
-    pub(crate) field_sigma_ut: f64,
-    pub(crate) filtered_field_ut: [f64; 3],
-    pub(crate) total_field_ut: f64,
-    pub(crate) heading_deg: f64,
-    pub(crate) heading_sigma_deg: f64,
-    pub(crate) true_heading_deg: f64,
-    pub(crate) inclination_deg: f64,
-    /// w, x, y, z.
-    pub(crate) attitude: [f64; 4],
-    pub(crate) attitude_sigma_deg: f64,
-    pub(crate) sigma_t: f64,
-    pub(crate) coverage: f64,
-    pub(crate) direction_sigma_deg: f64,
-    pub(crate) worst_sigma_deg: f64,
-    pub(crate) reported_hard_iron_jump_ut: f64,
-    pub(crate) window: i32,
-    pub(crate) mode: i32,
-    pub(crate) model_order: i32,
-    pub(crate) event: FlatEvent,
-    pub(crate) status: FlatStatus,
-}
-
 /// A raw magnetometer event, uT; `reported_ut` is the operating system's own hard iron, NaN for none.
 pub(crate) fn push(
     compensator: &Compensator,
@@ -90,13 +61,7 @@ pub(crate) fn push_up(compensator: &Compensator, time_ns: i64, up_m_s2: Vector3)
 pub(crate) fn event_code(result: Result<(), MagcompError>) -> i32 {
     match result {
         Ok(()) => ACCEPTED,
-        Err(MagcompError::EventRejected { reason }) => match reason {
-            EventRejection::NotFinite => 1,
-            EventRejection::OutOfRange => 2,
-            EventRejection::Late => 3,
-            EventRejection::Duplicate => 4,
-            EventRejection::Ahead => 5,
-        },
+        Err(MagcompError::EventRejected { reason }) => reason.code(),
         Err(error) => code_of(&error),
     }
 }
@@ -109,142 +74,16 @@ pub(crate) fn code_of(error: &MagcompError) -> i32 {
     }
 }
 
-impl FlatReading {
-    /// `jump_ut`: by how much the operating system's own hard iron jumped, uT.
-    fn of(reading: &magcomp::Reading, jump_ut: Option<f64>) -> Self {
-        let magcomp::Reading {
-            time_ns: _, // the caller's own
-            field_ut,
-            field_sigma_ut,
-            filtered_field_ut,
-            total_field_ut,
-            heading,
-            attitude,
-            sigma_t,
-            window,
-            coverage,
-            direction_sigma_deg,
-            worst_sigma_deg,
-            model_order,
-            mode,
-            event,
-            status,
-        } = *reading;
-        let vector = |v: Option<nalgebra::Vector3<f64>>| v.map_or([f64::NAN; 3], Into::into);
-        let number = |v: Option<f64>| v.unwrap_or(f64::NAN);
-        Self {
-            field_ut: vector(field_ut),
-            field_sigma_ut: number(field_sigma_ut),
-            filtered_field_ut: vector(filtered_field_ut),
-            total_field_ut: number(total_field_ut),
-            heading_deg: number(heading.map(|heading| heading.heading_deg)),
-            heading_sigma_deg: number(heading.and_then(|heading| heading.heading_sigma_deg)),
-            true_heading_deg: number(heading.and_then(|heading| heading.true_heading_deg)),
-            inclination_deg: number(heading.and_then(|heading| heading.inclination_deg)),
-            attitude: attitude.map_or([f64::NAN; 4], |attitude| {
-                let q = attitude.to_world;
-                [q.w, q.i, q.j, q.k]
-            }),
-            attitude_sigma_deg: number(attitude.and_then(|attitude| attitude.sigma_deg)),
-            sigma_t: number(sigma_t),
-            coverage,
-            direction_sigma_deg: number(direction_sigma_deg),
-            worst_sigma_deg: number(worst_sigma_deg),
-            reported_hard_iron_jump_ut: number(jump_ut),
-            window: crate::convert::count(window),
-            mode: match mode {
-                SensorMode::GyroscopeAndGravity => 0,
-                SensorMode::GyroscopeOnly => 1,
-                SensorMode::GravityOnly => 2,
-                SensorMode::MagnetometerOnly => 3,
-            },
-            model_order: model_order.map_or(NONE, |order| match order {
-                ModelOrder::Nothing => 0,
-                ModelOrder::HardIron => 1,
-                ModelOrder::All => 2,
-                ModelOrder::Former => 3,
-            }),
-            event: event.map_or(FlatEvent { kind: NONE, since_ns: 0, decided_ns: 0 }, |event| FlatEvent {
-                kind: match event.kind {
-                    EventKind::DeviceStep => 0,
-                    EventKind::DeviceStepBack => 1,
-                    EventKind::PlaceChanged => 2,
-                },
-                since_ns: event.since_ns,
-                decided_ns: event.decided_ns,
-            }),
-            status: Status::from(status).into(),
-        }
-    }
-}
-
 impl FlatStatus {
-    const fn of(kind: i32, reason: i32) -> Self {
+    pub(crate) const fn of(kind: i32, reason: i32) -> Self {
         Self { kind, reason, problem: NONE, whole: [0; 2], real: [f64::NAN; 3] }
     }
 
-    const fn whole(self, first: i64, second: i64) -> Self {
+    pub(crate) const fn whole(self, first: i64, second: i64) -> Self {
         Self { whole: [first, second], ..self }
     }
 
-    const fn real(self, first: f64, second: f64, third: f64) -> Self {
+    pub(crate) const fn real(self, first: f64, second: f64, third: f64) -> Self {
         Self { real: [first, second, third], ..self }
-    }
-
-    fn with(self, problem: FitProblem) -> Self {
-        let none = f64::NAN;
-        let case = |problem| Self { problem, ..self };
-        match problem {
-            FitProblem::TooFewSamples { have } => case(0).whole(have.into(), 0),
-            FitProblem::Planar { thickness_ut } => case(1).real(thickness_ut, none, none),
-            FitProblem::PoorCoverage { direction_sigma_deg, limit_deg } => {
-                case(2).real(direction_sigma_deg, limit_deg, none)
-            }
-            FitProblem::Inconsistent { residual_ut, limit_ut } => case(3).real(residual_ut, limit_ut, none),
-            FitProblem::NotAnEllipsoid => case(4),
-            FitProblem::FieldOutOfRange { field_ut, low_ut, high_ut } => case(5).real(field_ut, low_ut, high_ut),
-            FitProblem::NotFinite => case(6),
-        }
-    }
-}
-
-impl From<Status> for FlatStatus {
-    fn from(status: Status) -> Self {
-        let none = f64::NAN;
-        match status {
-            Status::Collecting { missing } => match missing {
-                Missing::Samples { have, need } => Self::of(0, 0).whole(have.into(), need.into()),
-                Missing::Fit { problem } => Self::of(0, 1).with(problem),
-                Missing::Rotation => Self::of(0, 2),
-                Missing::Directions => Self::of(0, 3),
-            },
-            Status::Tracking => Self::of(1, NONE),
-            Status::Suspect { since_ns } => Self::of(2, NONE).whole(since_ns, 0),
-            Status::Held { reason } => match reason {
-                HoldReason::LowUniformity => Self::of(3, 0),
-                HoldReason::FitRefused { problem } => Self::of(3, 1).with(problem),
-                HoldReason::Constant => Self::of(3, 2),
-                HoldReason::AtRest => Self::of(3, 3),
-                HoldReason::TooLittleRotation => Self::of(3, 4),
-                HoldReason::NoGyroscope => Self::of(3, 5),
-            },
-            Status::Disturbed { since_ns } => Self::of(4, NONE).whole(since_ns, 0),
-            Status::Rejected { reason } => match reason {
-                RejectReason::NotFinite => Self::of(5, 0),
-                RejectReason::OutOfRange { value_ut, limit_ut } => Self::of(5, 1).real(value_ut, limit_ut, none),
-                RejectReason::Saturated { axis, value_ut, rail_ut } => {
-                    let axis = match axis {
-                        Axis::X => 0,
-                        Axis::Y => 1,
-                        Axis::Z => 2,
-                    };
-                    Self::of(5, 2).whole(axis, 0).real(value_ut, rail_ut, none)
-                }
-                RejectReason::TimeNotAfter { time_ns, latest_ns } => Self::of(5, 3).whole(time_ns, latest_ns),
-                RejectReason::TimeJump { gap_s, limit_s } => Self::of(5, 4).real(gap_s, limit_s, none),
-                RejectReason::Stuck { repeats } => Self::of(5, 5).whole(repeats.into(), 0),
-                RejectReason::Axes { x, y, z } => Self::of(5, 6).real(x.into(), y.into(), z.into()),
-            },
-        }
     }
 }

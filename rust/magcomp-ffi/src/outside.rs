@@ -4,6 +4,7 @@ use crate::compensator::Compensator;
 use crate::convert::same_names;
 use crate::error::MagcompError;
 use crate::record::Vector3;
+use crate::status::HeadingAid;
 use magcomp::nalgebra::{Quaternion, UnitQuaternion};
 
 /// A heading that something else than the magnetometer knows: a GNSS course, a landmark that the user tapped, a corridor of a map.
@@ -76,17 +77,6 @@ pub enum Yaw {
     },
 }
 
-/// What headings from outside are worth. `text()` says it in a sentence.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
-pub enum HeadingAid {
-    /// They agree with the magnetometer, which knows north at least as well by itself.
-    Used,
-    /// North is what they say, carried by the gyroscope: the magnetometer knows it less well.
-    Leads,
-    /// The latest one contradicts what is known, and is ignored.
-    Disagrees,
-}
-
 /// A declination that headings from true north have shown.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
 pub struct FoundDeclination {
@@ -98,7 +88,6 @@ pub struct FoundDeclination {
 
 same_names! {
     NorthReference { True, Magnetic }
-    HeadingAid { Used, Leads, Disagrees }
 }
 
 impl From<HeadingSample> for magcomp::HeadingSample {
@@ -156,14 +145,6 @@ impl Compensator {
             let found = core.found_declination_deg();
             Ok(found.map(|(declination_deg, sigma_deg)| FoundDeclination { declination_deg, sigma_deg }))
         })
-    }
-}
-
-#[uniffi::export]
-impl HeadingAid {
-    /// One sentence an app may show.
-    pub fn text(&self) -> String {
-        magcomp::HeadingAid::from(*self).to_string()
     }
 }
 

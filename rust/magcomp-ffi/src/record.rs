@@ -2,7 +2,6 @@
 
 use crate::convert::{count, same_names};
 use crate::error::MagcompError;
-use crate::status::{Event, ModelOrder, SensorMode, Status};
 use magcomp::nalgebra;
 
 /// Three components in the device frame: x right, y up along the screen, z out of the screen.
@@ -156,92 +155,6 @@ pub struct HeadingFrame {
     /// Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. None: no true heading.
     #[uniffi(default = None)]
     pub declination_deg: Option<f64>,
-}
-
-/// The answer to one magnetometer sample. A value that is not known is none, never NaN.
-#[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
-pub struct Reading {
-    /// Time of the sample, nanoseconds.
-    pub time_ns: i64,
-    /// The corrected sample, microtesla, device frame. None until there is a calibration, and for a rejected sample.
-    pub field_ut: Option<Vector3>,
-    /// One standard deviation of `field_ut` per axis, microtesla. None when it is not known.
-    pub field_sigma_ut: Option<f64>,
-    /// The estimator's own, smoother estimate of the same vector, microtesla, where it has one; the heading comes from it.
-    pub filtered_field_ut: Option<Vector3>,
-    /// Length of `field_ut`, microtesla.
-    pub total_field_ut: Option<f64>,
-    /// Heading and inclination. None without a calibration, without a recent `up`, or where the axis is vertical.
-    pub heading: Option<Heading>,
-    /// How the device lies in the world, also where the heading's axis is vertical. None without a calibration, without a recent
-    /// `up`, or where the field is vertical.
-    pub attitude: Option<Attitude>,
-    /// Uniformity sigma_T of the latest orientations, 0 to about 1, dimensionless.
-    pub sigma_t: Option<f64>,
-    /// Samples in the window of the estimator.
-    pub window: i32,
-    /// Share of the directions seen in that window, 0 to 1.
-    pub coverage: f64,
-    /// Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. None when it
-    /// is not known.
-    pub direction_sigma_deg: Option<f64>,
-    /// The same for the one combination of parameters that is known worst, degrees. It is large where the directions
-    /// seen do not determine the parameters, also where `sigma_t` does not show that. Adaptive method only.
-    pub worst_sigma_deg: Option<f64>,
-    /// Which parameters the latest change set free. Adaptive method only.
-    pub model_order: Option<ModelOrder>,
-    /// By how much the operating system's own hard-iron estimate jumped with this sample, microtesla. None when it did
-    /// not jump or is not reported. A jump means that the operating system has recalibrated; the raw field has not
-    /// changed.
-    pub reported_hard_iron_jump_ut: Option<f64>,
-    /// The sensors the estimator runs on.
-    pub mode: SensorMode,
-    /// The latest change that was decided, kept until the next. None before the first.
-    pub event: Option<Event>,
-    /// What the compensator is doing, and why.
-    pub status: Status,
-}
-
-impl From<magcomp::Reading> for Reading {
-    fn from(r: magcomp::Reading) -> Self {
-        let magcomp::Reading {
-            time_ns,
-            field_ut,
-            field_sigma_ut,
-            filtered_field_ut,
-            total_field_ut,
-            heading,
-            attitude,
-            sigma_t,
-            window,
-            coverage,
-            direction_sigma_deg,
-            worst_sigma_deg,
-            model_order,
-            mode,
-            event,
-            status,
-        } = r;
-        Self {
-            time_ns,
-            field_ut: field_ut.map(Into::into),
-            field_sigma_ut,
-            filtered_field_ut: filtered_field_ut.map(Into::into),
-            total_field_ut,
-            heading: heading.map(Into::into),
-            attitude: attitude.map(Into::into),
-            sigma_t,
-            window: count(window),
-            coverage,
-            direction_sigma_deg,
-            worst_sigma_deg,
-            model_order: model_order.map(Into::into),
-            reported_hard_iron_jump_ut: None,
-            mode: mode.into(),
-            event: event.map(Into::into),
-            status: status.into(),
-        }
-    }
 }
 
 /// Soft iron M: symmetric positive definite, dimensionless.

@@ -1,11 +1,13 @@
-//! What the compensator is doing, and why: the core's enums as they cross the border.
+// made by bindings/generate.sh from bindings/status.toml
+//! What the compensator is doing, and why: the core's enums as they cross the border, and their codes on the wire.
 
-mod convert;
+use crate::convert::{axis_of, count, size};
+use crate::flat::{FlatStatus, NONE};
 
 /// What the compensator is doing, so that an app can tell its user what to do. `text()` says it in a sentence.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Enum)]
 pub enum Status {
-    /// No calibration yet.
+    /// There is no calibration yet.
     Collecting {
         /// What is still missing.
         missing: Missing,
@@ -22,58 +24,137 @@ pub enum Status {
         /// Why nothing is learned at the moment.
         reason: HoldReason,
     },
-    /// The environment is disturbed, not the device.
+    /// The place is disturbed, not the device: the calibration is kept, and after 30 s learned on in the field of that place.
     Disturbed {
         /// Time of the first disturbed sample, nanoseconds.
         since_ns: i64,
     },
-    /// This sample was not used, and nothing has changed. 50 of them in a row that agree on another clock begin that
-    /// clock (see `push`).
+    /// This sample was not used, and changed nothing; 50 in a row that agree on another clock begin that clock.
     Rejected {
         /// Why it was not used.
         reason: RejectReason,
     },
 }
 
+impl From<magcomp::Status> for Status {
+    fn from(it: magcomp::Status) -> Self {
+        use magcomp::Status as It;
+        match it {
+            It::Collecting(missing) => Self::Collecting { missing: missing.into() },
+            It::Tracking => Self::Tracking,
+            It::Suspect { since_ns } => Self::Suspect { since_ns },
+            It::Held(reason) => Self::Held { reason: reason.into() },
+            It::Disturbed { since_ns } => Self::Disturbed { since_ns },
+            It::Rejected(reason) => Self::Rejected { reason: reason.into() },
+        }
+    }
+}
+
+impl From<Status> for magcomp::Status {
+    fn from(it: Status) -> Self {
+        use Status as It;
+        match it {
+            It::Collecting { missing } => Self::Collecting(missing.into()),
+            It::Tracking => Self::Tracking,
+            It::Suspect { since_ns } => Self::Suspect { since_ns },
+            It::Held { reason } => Self::Held(reason.into()),
+            It::Disturbed { since_ns } => Self::Disturbed { since_ns },
+            It::Rejected { reason } => Self::Rejected(reason.into()),
+        }
+    }
+}
+
 /// What a first calibration still lacks.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Enum)]
 pub enum Missing {
-    /// More samples before a first fit is tried.
+    /// Too few samples for a first fit.
     Samples {
         /// Samples so far.
         have: i32,
         /// Samples needed.
         need: i32,
     },
-    /// The samples allow no fit yet.
+    /// The samples allow no fit; the problem is named.
     Fit {
         /// Why.
         problem: FitProblem,
     },
-    /// The device must be turned.
+    /// The device was hardly turned.
     Rotation,
-    /// More directions, turned about more than one axis.
+    /// The device was turned, but not about enough axes.
     Directions,
+}
+
+impl From<magcomp::Missing> for Missing {
+    fn from(it: magcomp::Missing) -> Self {
+        use magcomp::Missing as It;
+        match it {
+            It::Samples { have, need } => Self::Samples { have: count(have), need: count(need) },
+            It::Fit(problem) => Self::Fit { problem: problem.into() },
+            It::Rotation => Self::Rotation,
+            It::Directions => Self::Directions,
+        }
+    }
+}
+
+impl From<Missing> for magcomp::Missing {
+    fn from(it: Missing) -> Self {
+        use Missing as It;
+        match it {
+            It::Samples { have, need } => Self::Samples { have: size(have), need: size(need) },
+            It::Fit { problem } => Self::Fit(problem.into()),
+            It::Rotation => Self::Rotation,
+            It::Directions => Self::Directions,
+        }
+    }
 }
 
 /// Why nothing is learned at the moment.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Enum)]
 pub enum HoldReason {
-    /// sigma_T is below its threshold: the latest orientations are too much alike.
+    /// Method `Windowed` alone: sigma_T is below its threshold, the latest orientations are too much alike.
     LowUniformity,
-    /// The latest fit was refused.
+    /// The latest fit was refused, or no place on Earth has such a field; the problem is named. Is the sensor's unit microtesla?
     FitRefused {
         /// What it lacks.
         problem: FitProblem,
     },
-    /// The method keeps one calibration: by choice it does not follow changes.
+    /// Method `Constant` alone: by choice it follows no changes.
     Constant,
-    /// The device lies still.
+    /// The device lies still; nothing is learned from that.
     AtRest,
-    /// The device has hardly been turned of late.
+    /// The device was hardly turned of late.
     TooLittleRotation,
     /// The gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second.
     NoGyroscope,
+}
+
+impl From<magcomp::HoldReason> for HoldReason {
+    fn from(it: magcomp::HoldReason) -> Self {
+        use magcomp::HoldReason as It;
+        match it {
+            It::LowUniformity => Self::LowUniformity,
+            It::FitRefused(problem) => Self::FitRefused { problem: problem.into() },
+            It::Constant => Self::Constant,
+            It::AtRest => Self::AtRest,
+            It::TooLittleRotation => Self::TooLittleRotation,
+            It::NoGyroscope => Self::NoGyroscope,
+        }
+    }
+}
+
+impl From<HoldReason> for magcomp::HoldReason {
+    fn from(it: HoldReason) -> Self {
+        use HoldReason as It;
+        match it {
+            It::LowUniformity => Self::LowUniformity,
+            It::FitRefused { problem } => Self::FitRefused(problem.into()),
+            It::Constant => Self::Constant,
+            It::AtRest => Self::AtRest,
+            It::TooLittleRotation => Self::TooLittleRotation,
+            It::NoGyroscope => Self::NoGyroscope,
+        }
+    }
 }
 
 /// An axis of the device.
@@ -87,19 +168,41 @@ pub enum Axis {
     Z,
 }
 
+impl From<magcomp::Axis> for Axis {
+    fn from(it: magcomp::Axis) -> Self {
+        use magcomp::Axis as It;
+        match it {
+            It::X => Self::X,
+            It::Y => Self::Y,
+            It::Z => Self::Z,
+        }
+    }
+}
+
+impl From<Axis> for magcomp::Axis {
+    fn from(it: Axis) -> Self {
+        use Axis as It;
+        match it {
+            It::X => Self::X,
+            It::Y => Self::Y,
+            It::Z => Self::Z,
+        }
+    }
+}
+
 /// Why a sample was not used.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Enum)]
 pub enum RejectReason {
-    /// A component is NaN or infinite.
+    /// A component is NaN or infinite. Check where the samples come from.
     NotFinite,
-    /// A component is larger than any phone's magnetometer reads.
+    /// A component is beyond the setting `range_ut`. Is the unit microtesla?
     OutOfRange {
         /// The component, microtesla.
         value_ut: f64,
         /// The limit, microtesla.
         limit_ut: f64,
     },
-    /// A component is at the sensor's full scale: the true field is larger.
+    /// A component is at the sensor's full scale, the setting `rail_ut` or as found: the true field is larger.
     Saturated {
         /// The axis of the component.
         axis: Axis,
@@ -115,19 +218,19 @@ pub enum RejectReason {
         /// Time of the latest accepted sample, nanoseconds.
         latest_ns: i64,
     },
-    /// Time jumped ahead further than any pause.
+    /// Time jumped ahead further than any pause. Is the unit nanoseconds?
     TimeJump {
         /// The jump, seconds.
         gap_s: f64,
         /// The limit, seconds.
         limit_s: f64,
     },
-    /// The same value to the last bit for too long: the sensor or its driver hangs.
+    /// The same value to the last bit while the device turns, or where neither gyroscope nor accelerometer tells that it rests: the sensor hangs.
     Stuck {
         /// How many times in a row the value was accepted before.
         repeats: i32,
     },
-    /// The field turns as if these were the magnetometer's axes: an app has mixed up two frames. Asked again with every turn.
+    /// The field turns as if the magnetometer had other axes than the gyroscope; the text says which. Asked again with every turn. Give both sensors the same axes.
     Axes {
         /// The sample's component along the gyroscope's x, 1 to 3; negative where it points the other way.
         x: i32,
@@ -136,6 +239,108 @@ pub enum RejectReason {
         /// Along z.
         z: i32,
     },
+}
+
+impl From<magcomp::RejectReason> for RejectReason {
+    fn from(it: magcomp::RejectReason) -> Self {
+        use magcomp::RejectReason as It;
+        match it {
+            It::NotFinite => Self::NotFinite,
+            It::OutOfRange { value_ut, limit_ut } => Self::OutOfRange { value_ut, limit_ut },
+            It::Saturated { axis, value_ut, rail_ut } => Self::Saturated { axis: axis.into(), value_ut, rail_ut },
+            It::TimeNotAfter { time_ns, latest_ns } => Self::TimeNotAfter { time_ns, latest_ns },
+            It::TimeJump { gap_s, limit_s } => Self::TimeJump { gap_s, limit_s },
+            It::Stuck { repeats } => Self::Stuck { repeats: count(repeats) },
+            It::Axes { x, y, z } => Self::Axes { x: x.into(), y: y.into(), z: z.into() },
+        }
+    }
+}
+
+impl From<RejectReason> for magcomp::RejectReason {
+    fn from(it: RejectReason) -> Self {
+        use RejectReason as It;
+        match it {
+            It::NotFinite => Self::NotFinite,
+            It::OutOfRange { value_ut, limit_ut } => Self::OutOfRange { value_ut, limit_ut },
+            It::Saturated { axis, value_ut, rail_ut } => Self::Saturated { axis: axis.into(), value_ut, rail_ut },
+            It::TimeNotAfter { time_ns, latest_ns } => Self::TimeNotAfter { time_ns, latest_ns },
+            It::TimeJump { gap_s, limit_s } => Self::TimeJump { gap_s, limit_s },
+            It::Stuck { repeats } => Self::Stuck { repeats: size(repeats) },
+            It::Axes { x, y, z } => Self::Axes { x: axis_of(x), y: axis_of(y), z: axis_of(z) },
+        }
+    }
+}
+
+/// Why there is no ellipsoid to report.
+#[derive(Clone, Copy, Debug, PartialEq, uniffi::Enum)]
+pub enum FitProblem {
+    /// Fewer samples than the nine parameters.
+    TooFewSamples {
+        /// How many there are.
+        have: i32,
+    },
+    /// All samples lie near one plane.
+    Planar {
+        /// Standard deviation of the samples across their thinnest direction, microtesla.
+        thickness_ut: f64,
+    },
+    /// The directions seen leave too large an error.
+    PoorCoverage {
+        /// Predicted rms direction error, degrees.
+        direction_sigma_deg: f64,
+        /// The limit it exceeds, degrees.
+        limit_deg: f64,
+    },
+    /// The samples do not lie on one ellipsoid: the disturbance or the place changed meanwhile.
+    Inconsistent {
+        /// Residual rms, microtesla.
+        residual_ut: f64,
+        /// The limit it exceeds, microtesla.
+        limit_ut: f64,
+    },
+    /// A surface that is no ellipsoid fits best.
+    NotAnEllipsoid,
+    /// The field is too weak or too strong to be the Earth's. Is the unit microtesla?
+    FieldOutOfRange {
+        /// Strength found, microtesla: the geometric mean of the half axes, or |m| with the gyroscope.
+        field_ut: f64,
+        /// Smallest accepted, microtesla.
+        low_ut: f64,
+        /// Largest accepted, microtesla.
+        high_ut: f64,
+    },
+    /// A sample was NaN or infinite, or the numbers overflowed. Leave such values out.
+    NotFinite,
+}
+
+impl From<magcomp::FitError> for FitProblem {
+    fn from(it: magcomp::FitError) -> Self {
+        use magcomp::FitError as It;
+        match it {
+            It::TooFewSamples { have } => Self::TooFewSamples { have: count(have) },
+            It::Planar { thickness_ut } => Self::Planar { thickness_ut },
+            It::PoorCoverage { direction_sigma_deg, limit_deg } => Self::PoorCoverage { direction_sigma_deg, limit_deg },
+            It::Inconsistent { residual_ut, limit_ut } => Self::Inconsistent { residual_ut, limit_ut },
+            It::NotAnEllipsoid => Self::NotAnEllipsoid,
+            It::FieldOutOfRange { field_ut, low_ut, high_ut } => Self::FieldOutOfRange { field_ut, low_ut, high_ut },
+            It::NotFinite => Self::NotFinite,
+        }
+    }
+}
+
+impl From<FitProblem> for magcomp::FitError {
+    fn from(it: FitProblem) -> Self {
+        use FitProblem as It;
+        match it {
+            It::TooFewSamples { have } => Self::TooFewSamples { have: size(have) },
+            It::Planar { thickness_ut } => Self::Planar { thickness_ut },
+            It::PoorCoverage { direction_sigma_deg, limit_deg } => Self::PoorCoverage { direction_sigma_deg, limit_deg },
+            It::Inconsistent { residual_ut, limit_ut } => Self::Inconsistent { residual_ut, limit_ut },
+            It::NotAnEllipsoid => Self::NotAnEllipsoid,
+            It::FieldOutOfRange { field_ut, low_ut, high_ut } => Self::FieldOutOfRange { field_ut, low_ut, high_ut },
+            It::NotFinite => Self::NotFinite,
+        }
+    }
 }
 
 /// Why a gyroscope, accelerometer or gravity event was not used; nothing has changed.
@@ -153,6 +358,32 @@ pub enum EventRejection {
     Ahead,
 }
 
+impl From<magcomp::EventRejection> for EventRejection {
+    fn from(it: magcomp::EventRejection) -> Self {
+        use magcomp::EventRejection as It;
+        match it {
+            It::NotFinite => Self::NotFinite,
+            It::OutOfRange => Self::OutOfRange,
+            It::Late => Self::Late,
+            It::Duplicate => Self::Duplicate,
+            It::Ahead => Self::Ahead,
+        }
+    }
+}
+
+impl From<EventRejection> for magcomp::EventRejection {
+    fn from(it: EventRejection) -> Self {
+        use EventRejection as It;
+        match it {
+            It::NotFinite => Self::NotFinite,
+            It::OutOfRange => Self::OutOfRange,
+            It::Late => Self::Late,
+            It::Duplicate => Self::Duplicate,
+            It::Ahead => Self::Ahead,
+        }
+    }
+}
+
 /// The sensors the estimator runs on, as they come and go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
 pub enum SensorMode {
@@ -162,8 +393,32 @@ pub enum SensorMode {
     GyroscopeOnly,
     /// No usable gyroscope: changes are followed slower.
     GravityOnly,
-    /// Neither: as `GravityOnly`, and there is no heading.
+    /// Neither: changes are followed slower, and there is no heading.
     MagnetometerOnly,
+}
+
+impl From<magcomp::SensorMode> for SensorMode {
+    fn from(it: magcomp::SensorMode) -> Self {
+        use magcomp::SensorMode as It;
+        match it {
+            It::GyroscopeAndGravity => Self::GyroscopeAndGravity,
+            It::GyroscopeOnly => Self::GyroscopeOnly,
+            It::GravityOnly => Self::GravityOnly,
+            It::MagnetometerOnly => Self::MagnetometerOnly,
+        }
+    }
+}
+
+impl From<SensorMode> for magcomp::SensorMode {
+    fn from(it: SensorMode) -> Self {
+        use SensorMode as It;
+        match it {
+            It::GyroscopeAndGravity => Self::GyroscopeAndGravity,
+            It::GyroscopeOnly => Self::GyroscopeOnly,
+            It::GravityOnly => Self::GravityOnly,
+            It::MagnetometerOnly => Self::MagnetometerOnly,
+        }
+    }
 }
 
 /// Which of the nine parameters a change set free.
@@ -179,6 +434,96 @@ pub enum ModelOrder {
     Former,
 }
 
+impl From<magcomp::ModelOrder> for ModelOrder {
+    fn from(it: magcomp::ModelOrder) -> Self {
+        use magcomp::ModelOrder as It;
+        match it {
+            It::Nothing => Self::Nothing,
+            It::HardIron => Self::HardIron,
+            It::All => Self::All,
+            It::Former => Self::Former,
+        }
+    }
+}
+
+impl From<ModelOrder> for magcomp::ModelOrder {
+    fn from(it: ModelOrder) -> Self {
+        use ModelOrder as It;
+        match it {
+            It::Nothing => Self::Nothing,
+            It::HardIron => Self::HardIron,
+            It::All => Self::All,
+            It::Former => Self::Former,
+        }
+    }
+}
+
+/// What changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
+pub enum EventKind {
+    /// The device's own disturbance changed (a magnet or cover was put on or taken off), and was relearned.
+    DeviceStep,
+    /// The device is as it was before; that calibration was restored.
+    DeviceStepBack,
+    /// The field of the place changed; the calibration is held.
+    PlaceChanged,
+}
+
+impl From<magcomp::EventKind> for EventKind {
+    fn from(it: magcomp::EventKind) -> Self {
+        use magcomp::EventKind as It;
+        match it {
+            It::DeviceStep => Self::DeviceStep,
+            It::DeviceStepBack => Self::DeviceStepBack,
+            It::PlaceChanged => Self::PlaceChanged,
+        }
+    }
+}
+
+impl From<EventKind> for magcomp::EventKind {
+    fn from(it: EventKind) -> Self {
+        use EventKind as It;
+        match it {
+            It::DeviceStep => Self::DeviceStep,
+            It::DeviceStepBack => Self::DeviceStepBack,
+            It::PlaceChanged => Self::PlaceChanged,
+        }
+    }
+}
+
+/// What headings from outside are worth. `text()` says it in a sentence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
+pub enum HeadingAid {
+    /// They agree with the magnetometer, which knows north at least as well by itself.
+    Used,
+    /// North is what they say, carried by the gyroscope: the magnetometer knows it less well.
+    Leads,
+    /// The latest one contradicts what is known, and is ignored.
+    Disagrees,
+}
+
+impl From<magcomp::HeadingAid> for HeadingAid {
+    fn from(it: magcomp::HeadingAid) -> Self {
+        use magcomp::HeadingAid as It;
+        match it {
+            It::Used => Self::Used,
+            It::Leads => Self::Leads,
+            It::Disagrees => Self::Disagrees,
+        }
+    }
+}
+
+impl From<HeadingAid> for magcomp::HeadingAid {
+    fn from(it: HeadingAid) -> Self {
+        use HeadingAid as It;
+        match it {
+            It::Used => Self::Used,
+            It::Leads => Self::Leads,
+            It::Disagrees => Self::Disagrees,
+        }
+    }
+}
+
 /// A change that was decided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Record)]
 pub struct Event {
@@ -190,57 +535,11 @@ pub struct Event {
     pub decided_ns: i64,
 }
 
-/// What changed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
-pub enum EventKind {
-    /// The device's own disturbance (a magnet or cover put on or taken off): relearned.
-    DeviceStep,
-    /// The device returned to an earlier calibration, which was restored.
-    DeviceStepBack,
-    /// The field of the place stepped: the calibration is held.
-    PlaceChanged,
-}
-
-/// Why there is no ellipsoid to report.
-#[derive(Clone, Copy, Debug, PartialEq, uniffi::Enum)]
-pub enum FitProblem {
-    /// Fewer samples than parameters.
-    TooFewSamples {
-        /// How many there are.
-        have: i32,
-    },
-    /// All samples lie near one plane: turn the device about a second axis.
-    Planar {
-        /// Standard deviation of the samples across their thinnest direction, microtesla.
-        thickness_ut: f64,
-    },
-    /// The directions do not determine the ellipsoid well enough.
-    PoorCoverage {
-        /// Predicted rms direction error, degrees.
-        direction_sigma_deg: f64,
-        /// The limit it exceeds, degrees.
-        limit_deg: f64,
-    },
-    /// The samples do not lie on one ellipsoid: the disturbance or the place changed meanwhile.
-    Inconsistent {
-        /// Residual rms, microtesla.
-        residual_ut: f64,
-        /// The limit it exceeds, microtesla.
-        limit_ut: f64,
-    },
-    /// The best quadric is not an ellipsoid.
-    NotAnEllipsoid,
-    /// The field is too weak or too strong to be the Earth's.
-    FieldOutOfRange {
-        /// Strength found, microtesla: the geometric mean of the half axes, or |m| with the gyroscope.
-        field_ut: f64,
-        /// Smallest accepted, microtesla.
-        low_ut: f64,
-        /// Largest accepted, microtesla.
-        high_ut: f64,
-    },
-    /// A sample was NaN or infinite, or the numbers overflowed.
-    NotFinite,
+impl From<magcomp::Event> for Event {
+    fn from(it: magcomp::Event) -> Self {
+        let magcomp::Event { kind, since_ns, decided_ns } = it;
+        Self { kind: kind.into(), since_ns, decided_ns }
+    }
 }
 
 #[uniffi::export]
@@ -280,6 +579,117 @@ impl FitProblem {
     }
 }
 
+#[uniffi::export]
+impl HeadingAid {
+    /// One sentence an app may show.
+    pub fn text(&self) -> String {
+        magcomp::HeadingAid::from(*self).to_string()
+    }
+}
+
+impl Axis {
+    pub(crate) fn code(self) -> i32 {
+        match self {
+            Self::X => 0,
+            Self::Y => 1,
+            Self::Z => 2,
+        }
+    }
+}
+
+impl EventRejection {
+    pub(crate) fn code(self) -> i32 {
+        match self {
+            Self::NotFinite => 1,
+            Self::OutOfRange => 2,
+            Self::Late => 3,
+            Self::Duplicate => 4,
+            Self::Ahead => 5,
+        }
+    }
+}
+
+impl SensorMode {
+    pub(crate) fn code(self) -> i32 {
+        match self {
+            Self::GyroscopeAndGravity => 0,
+            Self::GyroscopeOnly => 1,
+            Self::GravityOnly => 2,
+            Self::MagnetometerOnly => 3,
+        }
+    }
+}
+
+impl ModelOrder {
+    pub(crate) fn code(self) -> i32 {
+        match self {
+            Self::Nothing => 0,
+            Self::HardIron => 1,
+            Self::All => 2,
+            Self::Former => 3,
+        }
+    }
+}
+
+impl EventKind {
+    pub(crate) fn code(self) -> i32 {
+        match self {
+            Self::DeviceStep => 0,
+            Self::DeviceStepBack => 1,
+            Self::PlaceChanged => 2,
+        }
+    }
+}
+
+impl FitProblem {
+    /// A status whose reason this is.
+    fn of(self, kind: i32, reason: i32) -> FlatStatus {
+        let with = |problem| FlatStatus { problem, ..FlatStatus::of(kind, reason) };
+        match self {
+            Self::TooFewSamples { have } => with(0).whole(have.into(), 0),
+            Self::Planar { thickness_ut } => with(1).real(thickness_ut, f64::NAN, f64::NAN),
+            Self::PoorCoverage { direction_sigma_deg, limit_deg } => with(2).real(direction_sigma_deg, limit_deg, f64::NAN),
+            Self::Inconsistent { residual_ut, limit_ut } => with(3).real(residual_ut, limit_ut, f64::NAN),
+            Self::NotAnEllipsoid => with(4),
+            Self::FieldOutOfRange { field_ut, low_ut, high_ut } => with(5).real(field_ut, low_ut, high_ut),
+            Self::NotFinite => with(6),
+        }
+    }
+}
+
+impl From<Status> for FlatStatus {
+    fn from(status: Status) -> Self {
+        match status {
+            Status::Collecting { missing } => match missing {
+                Missing::Samples { have, need } => Self::of(0, 0).whole(have.into(), need.into()),
+                Missing::Fit { problem } => problem.of(0, 1),
+                Missing::Rotation => Self::of(0, 2),
+                Missing::Directions => Self::of(0, 3),
+            },
+            Status::Tracking => Self::of(1, NONE),
+            Status::Suspect { since_ns } => Self::of(2, NONE).whole(since_ns, 0),
+            Status::Held { reason } => match reason {
+                HoldReason::LowUniformity => Self::of(3, 0),
+                HoldReason::FitRefused { problem } => problem.of(3, 1),
+                HoldReason::Constant => Self::of(3, 2),
+                HoldReason::AtRest => Self::of(3, 3),
+                HoldReason::TooLittleRotation => Self::of(3, 4),
+                HoldReason::NoGyroscope => Self::of(3, 5),
+            },
+            Status::Disturbed { since_ns } => Self::of(4, NONE).whole(since_ns, 0),
+            Status::Rejected { reason } => match reason {
+                RejectReason::NotFinite => Self::of(5, 0),
+                RejectReason::OutOfRange { value_ut, limit_ut } => Self::of(5, 1).real(value_ut, limit_ut, f64::NAN),
+                RejectReason::Saturated { axis, value_ut, rail_ut } => Self::of(5, 2).whole(axis.code().into(), 0).real(value_ut, rail_ut, f64::NAN),
+                RejectReason::TimeNotAfter { time_ns, latest_ns } => Self::of(5, 3).whole(time_ns, latest_ns),
+                RejectReason::TimeJump { gap_s, limit_s } => Self::of(5, 4).real(gap_s, limit_s, f64::NAN),
+                RejectReason::Stuck { repeats } => Self::of(5, 5).whole(repeats.into(), 0),
+                RejectReason::Axes { x, y, z } => Self::of(5, 6).real(x.into(), y.into(), z.into()),
+            },
+        }
+    }
+}
+
 /// One status of every kind, for comparing what JNI and what uniffi make of it.
 #[cfg(feature = "test-hooks")]
 pub(crate) fn examples() -> Vec<Status> {
@@ -305,18 +715,21 @@ pub(crate) fn examples() -> Vec<Status> {
         RejectReason::NotFinite,
         RejectReason::OutOfRange { value_ut: -2500.0, limit_ut: 2000.0 },
         RejectReason::Saturated { axis: Axis::Z, value_ut: 1300.0, rail_ut: 1299.5 },
-        // more digits than a double holds
-        RejectReason::TimeNotAfter { time_ns: 7, latest_ns: 9_007_199_254_740_993 },
-        RejectReason::TimeJump { gap_s: 1e6, limit_s: 604_800.0 },
+        RejectReason::TimeNotAfter { time_ns: 7, latest_ns: 9007199254740993 },
+        RejectReason::TimeJump { gap_s: 1000000.0, limit_s: 604800.0 },
         RejectReason::Stuck { repeats: 50 },
         RejectReason::Axes { x: 2, y: -1, z: 3 },
     ];
-    let mut examples = vec![Status::Tracking, Status::Suspect { since_ns: -9_007_199_254_740_993 }];
+    let mut examples = vec![
+        Status::Tracking,
+        Status::Suspect { since_ns: -9007199254740993 },
+    ];
     examples.push(collecting(Missing::Samples { have: 60, need: 100 }));
-    examples.extend([Missing::Rotation, Missing::Directions].map(collecting));
+    examples.push(collecting(Missing::Rotation));
+    examples.push(collecting(Missing::Directions));
     examples.extend(problems.map(|problem| collecting(Missing::Fit { problem })));
     examples.extend(held.map(|reason| Status::Held { reason }));
-    examples.push(Status::Disturbed { since_ns: i64::MIN + 1 });
+    examples.push(Status::Disturbed { since_ns: -9223372036854775807 });
     examples.extend(rejected.map(|reason| Status::Rejected { reason }));
     examples
 }

@@ -1,3 +1,4 @@
+// made by bindings/generate.sh from bindings/config.toml
 package org.magcomp
 
 // For Java, which has no named arguments. A field that is not set has the library's default; null unsets a field.

@@ -1,3 +1,4 @@
+// made by bindings/generate.sh from bindings/status.toml and bindings/reading.toml
 package org.magcomp
 
 /**
@@ -40,31 +41,31 @@ public class ReadingBuffer {
     /** Clockwise from magnetic north, degrees, 0 to 360. */
     public val headingDeg: Double get() = slots[HEADING]
 
-    /** One standard deviation of [headingDeg], degrees. */
+    /** One standard deviation of [headingDeg], degrees. NaN when the calibration's own uncertainty is not known. */
     public val headingSigmaDeg: Double get() = slots[HEADING_SIGMA]
 
-    /** Clockwise from true north, degrees, 0 to 360; NaN without a declination. */
+    /** Clockwise from true north, degrees, 0 to 360. NaN without a declination. */
     public val trueHeadingDeg: Double get() = slots[TRUE_HEADING]
 
-    /** Angle of the field below the horizon, degrees; NaN where no field is known and north comes from outside. */
+    /** Angle of the field below the horizon, degrees. NaN where no field is known and north comes from outside. */
     public val inclinationDeg: Double get() = slots[INCLINATION]
 
     /** Real part of the unit quaternion that takes a vector of the device frame to (east, north, up), north magnetic. */
-    public val attitudeW: Double get() = slots[ATTITUDE]
+    public val attitudeW: Double get() = slots[ATTITUDE_W]
 
     /** Its part of i. */
-    public val attitudeX: Double get() = slots[ATTITUDE + 1]
+    public val attitudeX: Double get() = slots[ATTITUDE_X]
 
     /** Its part of j. */
-    public val attitudeY: Double get() = slots[ATTITUDE + 2]
+    public val attitudeY: Double get() = slots[ATTITUDE_Y]
 
     /** Its part of k. */
-    public val attitudeZ: Double get() = slots[ATTITUDE + 3]
+    public val attitudeZ: Double get() = slots[ATTITUDE_Z]
 
-    /** One standard deviation of the attitude, as [DeviceAttitude.sigmaDeg], degrees. */
+    /** One standard deviation of the attitude, as [DeviceAttitude.sigmaDeg], degrees. NaN when the calibration's own uncertainty is not known. */
     public val attitudeSigmaDeg: Double get() = slots[ATTITUDE_SIGMA]
 
-    /** Uniformity sigma_T of the latest orientations, dimensionless. */
+    /** Uniformity sigma_T of the latest orientations, 0 to about 1, dimensionless. NaN until there are enough of them and a calibration. */
     public val sigmaT: Double get() = slots[SIGMA_T]
 
     /** Samples in the window of the estimator. */
@@ -73,17 +74,17 @@ public class ReadingBuffer {
     /** Share of the directions seen in that window, 0 to 1. */
     public val coverage: Double get() = slots[COVERAGE]
 
-    /** Predicted rms error of a corrected direction, over all directions, degrees. */
+    /** Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. NaN when it is not known. */
     public val directionSigmaDeg: Double get() = slots[DIRECTION_SIGMA]
 
     /** The same for the one combination of parameters that is known worst, degrees. */
     public val worstSigmaDeg: Double get() = slots[WORST_SIGMA]
 
-    /** By how much the operating system's own hard iron jumped with this sample, microtesla. */
-    public val reportedHardIronJumpUt: Double get() = slots[REPORTED_JUMP]
-
-    /** Which parameters the latest change set free; null where that is not known. */
+    /** Which parameters the latest change set free. Adaptive method only. Null when it is not known. */
     public val modelOrder: ModelOrder? get() = modelOrder(slots, 0)
+
+    /** By how much the operating system's own hard-iron estimate jumped with this sample, microtesla. A jump means that the operating system has recalibrated; the raw field has not changed. NaN when it did not jump or is not reported. */
+    public val reportedHardIronJumpUt: Double get() = slots[REPORTED_JUMP]
 
     /** The sensors the estimator runs on. */
     public val mode: SensorMode get() = mode(slots, 0)
@@ -99,35 +100,37 @@ public class ReadingBuffer {
     public fun toReading(): MagneticReading = reading(slots, 0, timeNs, event, status)
 
     internal companion object {
-        // as `mod slot` in fast.rs
         const val FIELD = 0
-        const val FILTERED_FIELD = 3
-        const val TOTAL_FIELD = 6
-        const val HEADING = 7
-        const val HEADING_SIGMA = 8
-        const val TRUE_HEADING = 9
-        const val INCLINATION = 10
-        const val SIGMA_T = 11
-        const val WINDOW = 12
-        const val COVERAGE = 13
-        const val REPORTED_JUMP = 14
-        const val FIELD_SIGMA = 15
-        const val MODE = 16
-        const val DIRECTION_SIGMA = 17
-        const val WORST_SIGMA = 18
-        const val MODEL_ORDER = 19
-        const val ATTITUDE = 20
-        const val ATTITUDE_SIGMA = 24
-        const val EVENT = 25
-        const val EVENT_TIMES = 26
-        const val STATUS = 30
-        const val REASON = 31
-        const val FIT_PROBLEM = 32
-        const val REAL = 33
-        const val WHOLE = 36
+        const val FIELD_SIGMA = 3
+        const val FILTERED_FIELD = 4
+        const val TOTAL_FIELD = 7
+        const val HEADING = 8
+        const val HEADING_SIGMA = 9
+        const val TRUE_HEADING = 10
+        const val INCLINATION = 11
+        const val ATTITUDE_W = 12
+        const val ATTITUDE_X = 13
+        const val ATTITUDE_Y = 14
+        const val ATTITUDE_Z = 15
+        const val ATTITUDE_SIGMA = 16
+        const val SIGMA_T = 17
+        const val WINDOW = 18
+        const val COVERAGE = 19
+        const val DIRECTION_SIGMA = 20
+        const val WORST_SIGMA = 21
+        const val MODEL_ORDER = 22
+        const val REPORTED_JUMP = 23
+        const val MODE = 24
+        private const val EVENT = 25
+        private const val EVENT_TIMES = 26
+        private const val STATUS = 30
+        private const val REASON = 31
+        private const val FIT_PROBLEM = 32
+        private const val REAL = 33
+        private const val WHOLE = 36
 
         /** The numbers of a reading but for event and status. */
-        const val NUMBERS = EVENT
+        const val NUMBERS = 25
 
         fun heading(slots: DoubleArray, at: Int = 0): CompassHeading? = known(slots[at + HEADING])?.let {
             CompassHeading(
@@ -138,12 +141,12 @@ public class ReadingBuffer {
             )
         }
 
-        fun attitude(slots: DoubleArray, at: Int = 0): DeviceAttitude? = known(slots[at + ATTITUDE])?.let {
+        fun attitude(slots: DoubleArray, at: Int = 0): DeviceAttitude? = known(slots[at + ATTITUDE_W])?.let {
             DeviceAttitude(
                 w = it,
-                x = slots[at + ATTITUDE + 1],
-                y = slots[at + ATTITUDE + 2],
-                z = slots[at + ATTITUDE + 3],
+                x = slots[at + ATTITUDE_X],
+                y = slots[at + ATTITUDE_Y],
+                z = slots[at + ATTITUDE_Z],
                 sigmaDeg = known(slots[at + ATTITUDE_SIGMA]),
             )
         }
@@ -184,8 +187,7 @@ public class ReadingBuffer {
             }
         }
 
-        private fun modelOrder(slots: DoubleArray, at: Int): ModelOrder? =
-            ModelOrder.entries.getOrNull(slots[at + MODEL_ORDER].toInt())
+        private fun modelOrder(slots: DoubleArray, at: Int): ModelOrder? = ModelOrder.entries.getOrNull(slots[at + MODEL_ORDER].toInt())
 
         private fun mode(slots: DoubleArray, at: Int): SensorMode = SensorMode.entries[slots[at + MODE].toInt()]
 
@@ -230,19 +232,17 @@ public class ReadingBuffer {
                 else -> error("reject reason $reason: the library's native part is of another version")
             }
 
-        private fun fitProblem(slots: DoubleArray, at: Int): FitProblem {
-            val real = at + REAL
-            return when (val problem = slots[at + FIT_PROBLEM].toInt()) {
+        private fun fitProblem(slots: DoubleArray, at: Int): FitProblem =
+            when (val problem = slots[at + FIT_PROBLEM].toInt()) {
                 0 -> FitProblem.TooFewSamples(whole(slots, at + WHOLE).toInt())
-                1 -> FitProblem.Planar(slots[real])
-                2 -> FitProblem.PoorCoverage(slots[real], slots[real + 1])
-                3 -> FitProblem.Inconsistent(slots[real], slots[real + 1])
+                1 -> FitProblem.Planar(slots[at + REAL])
+                2 -> FitProblem.PoorCoverage(slots[at + REAL], slots[at + REAL + 1])
+                3 -> FitProblem.Inconsistent(slots[at + REAL], slots[at + REAL + 1])
                 4 -> FitProblem.NotAnEllipsoid
-                5 -> FitProblem.FieldOutOfRange(slots[real], slots[real + 1], slots[real + 2])
+                5 -> FitProblem.FieldOutOfRange(slots[at + REAL], slots[at + REAL + 1], slots[at + REAL + 2])
                 6 -> FitProblem.NotFinite
                 else -> error("fit problem $problem: the library's native part is of another version")
             }
-        }
 
         fun known(value: Double): Double? = if (value.isNaN()) null else value
 

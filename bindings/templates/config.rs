@@ -1,0 +1,81 @@
+// made by bindings/generate.sh from bindings/config.toml
+//! The settings' records and their conversions: what was left out becomes the core's default.
+
+// one way to write a member, whichever struct of the core's it is in
+#![allow(clippy::field_reassign_with_default)]
+
+use super::{Method, Normalisation, Residual, size};
+use crate::convert::count;
+use crate::error::MagcompError;
+use crate::record::{Calibration, ReferenceAxis, ScreenRotation};
+
+{% macro rust_type(field) %}
+{{ "f64" if field.kind == "real" else "i32" if field.kind == "count" else "bool" if field.kind == "flag" else field.kind }}
+{%- endmacro %}
+{% macro as_some(field) %}
+{% if not field.core %}Some({{ field.default }}){% elif field.none %}{{ field.core }}{{ ".map(Into::into)" if field.kind != "real" }}{% elif field.kind == "real" %}Some({{ field.core }}){% elif field.kind == "count" %}Some(count({{ field.core }})){% else %}Some({{ field.core }}.into()){% endif %}
+{%- endmacro %}
+{% macro from_core(field) %}
+{% if field.none and field.kind == "real" and field.core == field.name %}{{ field.name }}{% else %}{{ field.name }}: {{ as_some(field) }}{% endif %}
+{%- endmacro %}
+{% for group in settings %}
+/// {{ group.meaning }}
+#[derive(Clone, Debug, PartialEq, uniffi::Record)]
+pub struct {{ group.name }} {
+{% for field in group.fields %}
+    /// {{ field.meaning }}
+    #[uniffi(default = None)]
+    pub {{ field.name }}: Option<{{ rust_type(field) }}>,
+{% endfor %}
+}
+
+impl From<magcomp::{{ group.name }}> for {{ group.name }} {
+    fn from(core: magcomp::{{ group.name }}) -> Self {
+        let magcomp::{{ group.name }} { {{ group.core|join(", ") }} } = core;
+        Self {
+{% for field in group.fields %}
+            {{ from_core(field) }},
+{% endfor %}
+        }
+    }
+}
+
+impl Default for {{ group.name }} {
+    fn default() -> Self {
+        Self {
+{% for field in group.fields if field.is_group %}
+            {{ field.name }}: Some({{ field.kind }}::default()),
+{% endfor %}
+{% for field in group.fields if field.default and field.core %}
+            {{ field.name }}: Some({{ field.default }}),
+{% endfor %}
+            ..magcomp::{{ group.name }}::default().into()
+        }
+    }
+}
+
+impl TryFrom<{{ group.name }}> for magcomp::{{ group.name }} {
+    type Error = MagcompError;
+    fn try_from(it: {{ group.name }}) -> Result<Self, MagcompError> {
+        let mut core = Self::default();
+{% for field in group.fields if field.core %}
+{% if field.is_group %}
+        core.{{ field.core }} = it.{{ field.name }}.unwrap_or_default().try_into()?;
+{% elif field.none %}
+        core.{{ field.core }} = it.{{ field.name }}{{ ".map(TryInto::try_into).transpose()?" if field.kind != "real" }};
+{% elif field.default %}
+        core.{{ field.core }} = it.{{ field.name }}.unwrap_or({{ field.default }}){{ ".into()" if field.kind not in ["real", "flag"] }};
+{% else %}
+        if let Some(value) = it.{{ field.name }} {
+            core.{{ field.core }} = {% if field.kind == "real" %}value{% elif field.kind == "count" %}size("{{ field.place }}", value)?{% else %}value.into(){% endif %};
+        }
+{% endif %}
+{% endfor %}
+{% if group.name == "Config" %}
+        core.validate()?;
+{% endif %}
+        Ok(core)
+    }
+}
+{{ "\n" if not loop.last }}
+{%- endfor %}

@@ -1,0 +1,56 @@
+// made by bindings/generate.sh from bindings/reading.toml
+//! A reading as doubles: the numbers of `FlatReading`, a time or another whole number of 64 bits as two.
+
+use crate::flat::FlatStatus;
+use crate::reading::FlatReading;
+
+{% set n = reading.numbers %}
+// what comes after the numbers that a reading of `Compass` copies changes seldom, and is kept as objects
+const EVENT: usize = {{ n }};
+/// Two times.
+const EVENT_TIMES: usize = {{ n + 1 }};
+const STATUS: usize = {{ n + 5 }};
+const REASON: usize = {{ n + 6 }};
+const FIT_PROBLEM: usize = {{ n + 7 }};
+/// Three numbers.
+const REAL: usize = {{ n + 8 }};
+/// Two whole numbers.
+const WHOLE: usize = {{ n + 11 }};
+/// Doubles in a reading.
+pub(super) const COUNT: usize = {{ n + 15 }};
+
+pub(super) type Slots = [f64; COUNT];
+
+/// A whole number as two numbers a double holds exactly: the upper and the lower 32 bits.
+fn write_whole(numbers: [i64; 2], at: usize, out: &mut Slots) {
+    for (number, halves) in numbers.iter().zip(out[at..at + 4].chunks_exact_mut(2)) {
+        halves[0] = (number >> 32) as f64;
+        halves[1] = (number & 0xffff_ffff) as f64;
+    }
+}
+
+pub(super) fn write_status(status: &FlatStatus, out: &mut Slots) {
+    let FlatStatus { kind, reason, problem, whole, real } = *status;
+    out[STATUS] = kind.into();
+    out[REASON] = reason.into();
+    out[FIT_PROBLEM] = problem.into();
+    out[REAL..REAL + 3].copy_from_slice(&real);
+    write_whole(whole, WHOLE, out);
+}
+
+pub(super) fn of(reading: &FlatReading) -> Slots {
+    let mut out = [0.0; COUNT];
+{% for leaf in reading.leaves %}
+{% if leaf.kind == "vector" %}
+    out[{{ leaf.at }}..{{ leaf.at + 3 }}].copy_from_slice(&reading.{{ leaf.flat }});
+{% elif leaf.kind in ["real", "share"] %}
+    out[{{ leaf.at }}] = reading.{{ leaf.flat }};
+{% else %}
+    out[{{ leaf.at }}] = reading.{{ leaf.flat }}.into();
+{% endif %}
+{% endfor %}
+    out[EVENT] = reading.event.kind.into();
+    write_whole([reading.event.since_ns, reading.event.decided_ns], EVENT_TIMES, &mut out);
+    write_status(&reading.status, &mut out);
+    out
+}

@@ -1,0 +1,193 @@
+// made by bindings/generate.sh from bindings/status.toml
+//! What the compensator is doing, and why: the core's enums as they cross the border, and their codes on the wire.
+
+use crate::convert::{axis_of, count, size};
+use crate::flat::{FlatStatus, NONE};
+
+{% macro rust_type(field) %}
+{%- if field.kind in ["count", "signed_axis"] %}i32{% elif field.kind == "time" %}i64{% elif field.kind == "real" %}f64{% elif field.kind == "axis" %}Axis{% else %}{{ field.kind }}{% endif %}
+{%- endmacro %}
+{% macro pattern(case) %}
+{% if case.fields %} { {% for field in case.fields %}{{ field.name }}{% if not loop.last %}, {% endif %}{% endfor %} }{% endif %}
+{%- endmacro %}
+{% macro from_core(field) %}
+{% if field.kind == "count" %}{{ field.name }}: count({{ field.name }}){% elif field.kind in ["axis", "signed_axis"] or field.kind in by_name %}{{ field.name }}: {{ field.name }}.into(){% else %}{{ field.name }}{% endif %}
+{%- endmacro %}
+{% macro to_core(field) %}
+{% if field.kind == "count" %}{{ field.name }}: size({{ field.name }}){% elif field.kind == "signed_axis" %}{{ field.name }}: axis_of({{ field.name }}){% elif field.kind == "axis" %}{{ field.name }}: {{ field.name }}.into(){% else %}{{ field.name }}{% endif %}
+{%- endmacro %}
+{% macro example(case) %}
+{% if case.fields %} { {% for field in case.fields %}{{ field.name }}: {{ field.example }}{% if not loop.last %}, {% endif %}{% endfor %} }{% endif %}
+{%- endmacro %}
+{# what a case's numbers are on the wire, after its codes #}
+{% macro numbers(case) %}
+{% set wholes = [] %}
+{% if case.fields and not case.nested %}
+{%- for field in case.fields if field.kind in ["count", "time", "axis"] %}{% if loop.first %}.whole({% endif %}{% if field.kind == "time" %}{{ field.name }}{% elif field.kind == "axis" %}{{ field.name }}.code().into(){% else %}{{ field.name }}.into(){% endif %}{% if loop.last %}{% if loop.length == 1 %}, 0{% endif %}){% else %}, {% endif %}{% endfor %}
+{%- for field in case.fields if field.kind in ["real", "signed_axis"] %}{% if loop.first %}.real({% endif %}{{ field.name }}{% if field.kind == "signed_axis" %}.into(){% endif %}{% if loop.last %}{{ ", f64::NAN" * (3 - loop.length) }}){% else %}, {% endif %}{% endfor %}
+{%- endif %}
+{%- endmacro %}
+{% for one in enums %}
+/// {{ one.meaning }}{{ " `text()` says it in a sentence." if one.name in ["Status", "HeadingAid"] }}
+#[derive(Clone, Copy, Debug, PartialEq, {{ "Eq, " if not one.has_fields }}uniffi::Enum)]
+pub enum {{ one.name }} {
+{% for case in one.cases %}
+    /// {{ case.document }}
+    {{ case.name }}{% if case.fields %} {
+{% for field in case.fields %}
+        /// {{ field.meaning }}
+        {{ field.name }}: {{ rust_type(field) }},
+{% endfor %}
+    }{% endif %},
+{% endfor %}
+}
+
+impl From<magcomp::{{ one.core }}> for {{ one.name }} {
+    fn from(it: magcomp::{{ one.core }}) -> Self {
+        use magcomp::{{ one.core }} as It;
+        match it {
+{% for case in one.cases %}
+{% if case.nested %}
+            It::{{ case.name }}({{ case.nested.name }}) => Self::{{ case.name }} { {{ case.nested.name }}: {{ case.nested.name }}.into() },
+{% else %}
+            It::{{ case.name }}{{ pattern(case) }} => Self::{{ case.name }}{% if case.fields %} { {% for field in case.fields %}{{ from_core(field) }}{{ ", " if not loop.last }}{% endfor %} }{% endif %},
+{% endif %}
+{% endfor %}
+        }
+    }
+}
+
+impl From<{{ one.name }}> for magcomp::{{ one.core }} {
+    fn from(it: {{ one.name }}) -> Self {
+        use {{ one.name }} as It;
+        match it {
+{% for case in one.cases %}
+{% if case.nested %}
+            It::{{ case.name }} { {{ case.nested.name }} } => Self::{{ case.name }}({{ case.nested.name }}.into()),
+{% else %}
+            It::{{ case.name }}{{ pattern(case) }} => Self::{{ case.name }}{% if case.fields %} { {% for field in case.fields %}{{ to_core(field) }}{{ ", " if not loop.last }}{% endfor %} }{% endif %},
+{% endif %}
+{% endfor %}
+        }
+    }
+}
+
+{% endfor %}
+/// A change that was decided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Record)]
+pub struct Event {
+    /// What changed.
+    pub kind: EventKind,
+    /// Time of the first sample that no longer fitted, nanoseconds.
+    pub since_ns: i64,
+    /// Time of the decision, nanoseconds.
+    pub decided_ns: i64,
+}
+
+impl From<magcomp::Event> for Event {
+    fn from(it: magcomp::Event) -> Self {
+        let magcomp::Event { kind, since_ns, decided_ns } = it;
+        Self { kind: kind.into(), since_ns, decided_ns }
+    }
+}
+
+#[uniffi::export]
+impl Status {
+    /// One sentence an app may show.
+    pub fn text(&self) -> String {
+        magcomp::Status::from(*self).to_string()
+    }
+
+    /// One word for tables and logs: {% for case in by_name.Status.cases %}`{{ case.snake }}`{{ ", " if not loop.last }}{% endfor %}.
+    pub fn label(&self) -> String {
+        magcomp::Status::from(*self).label().to_owned()
+    }
+}
+{% for name, what in [("RejectReason", "an app may show"), ("EventRejection", "for a log"), ("FitProblem", "an app may show"), ("HeadingAid", "an app may show")] %}
+
+#[uniffi::export]
+impl {{ name }} {
+    /// One sentence {{ what }}.
+    pub fn text(&self) -> String {
+        magcomp::{{ by_name[name].core }}::from(*self).to_string()
+    }
+}
+{% endfor %}
+{% for one in enums if not one.has_fields and one.name not in ["HeadingAid"] %}
+
+impl {{ one.name }} {
+    pub(crate) fn code(self) -> i32 {
+        match self {
+{% for case in one.cases %}
+            Self::{{ case.name }} => {{ case.code }},
+{% endfor %}
+        }
+    }
+}
+{% endfor %}
+
+impl FitProblem {
+    /// A status whose reason this is.
+    fn of(self, kind: i32, reason: i32) -> FlatStatus {
+        let with = |problem| FlatStatus { problem, ..FlatStatus::of(kind, reason) };
+        match self {
+{% for case in by_name.FitProblem.cases %}
+            Self::{{ case.name }}{{ pattern(case) }} => with({{ case.code }}){{ numbers(case) }},
+{% endfor %}
+        }
+    }
+}
+
+impl From<Status> for FlatStatus {
+    fn from(status: Status) -> Self {
+        match status {
+{% for status in by_name.Status.cases %}
+{% if status.nested %}
+            Status::{{ status.name }} { {{ status.nested.name }} } => match {{ status.nested.name }} {
+{% for case in by_name[status.nested.kind].cases %}
+                {{ status.nested.kind }}::{{ case.name }}{{ pattern(case) }} => {% if case.nested %}{{ case.nested.name }}.of({{ status.code }}, {{ case.code }}){% else %}Self::of({{ status.code }}, {{ case.code }}){{ numbers(case) }}{% endif %},
+{% endfor %}
+            },
+{% else %}
+            Status::{{ status.name }}{{ pattern(status) }} => Self::of({{ status.code }}, NONE){{ numbers(status) }},
+{% endif %}
+{% endfor %}
+        }
+    }
+}
+
+/// One status of every kind, for comparing what JNI and what uniffi make of it.
+#[cfg(feature = "test-hooks")]
+pub(crate) fn examples() -> Vec<Status> {
+    let collecting = |missing| Status::Collecting { missing };
+    let problems = [
+{% for case in by_name.FitProblem.cases %}
+        FitProblem::{{ case.name }}{{ example(case) }},
+{% endfor %}
+    ];
+    let held = [
+{% for case in by_name.HoldReason.cases %}
+        HoldReason::{{ case.name }}{% if case.nested %} { problem: problems[2] }{% endif %},
+{% endfor %}
+    ];
+    let rejected = [
+{% for case in by_name.RejectReason.cases %}
+        RejectReason::{{ case.name }}{{ example(case) }},
+{% endfor %}
+    ];
+    let mut examples = vec![
+{% for case in by_name.Status.cases if not case.nested and case.name != "Disturbed" %}
+        Status::{{ case.name }}{{ example(case) }},
+{% endfor %}
+    ];
+{% for case in by_name.Missing.cases if not case.nested %}
+    examples.push(collecting(Missing::{{ case.name }}{{ example(case) }}));
+{% endfor %}
+    examples.extend(problems.map(|problem| collecting(Missing::Fit { problem })));
+    examples.extend(held.map(|reason| Status::Held { reason }));
+{% for case in by_name.Status.cases if case.name == "Disturbed" %}
+    examples.push(Status::{{ case.name }}{{ example(case) }});
+{% endfor %}
+    examples.extend(rejected.map(|reason| Status::Rejected { reason }));
+    examples
+}

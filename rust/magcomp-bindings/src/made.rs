@@ -1,0 +1,184 @@
+//! The files that are made: their paths in the repository and what stands in them.
+
+use crate::{codes, config, reading, table, texts, view};
+use minijinja::syntax::SyntaxConfig;
+use minijinja::value::Serde;
+use minijinja::{AutoEscape, Environment, UndefinedBehavior, Value};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+
+/// A file by its path in the repository.
+pub type File = (String, String);
+
+/// Files that are a template's, by the template's name in `bindings/templates`.
+const WHOLE: &[(&str, &str)] = &[
+    ("status.rs", "rust/magcomp-ffi/src/status.rs"),
+    ("reading.rs", "rust/magcomp-ffi/src/reading.rs"),
+    ("slots.rs", "rust/magcomp-ffi/src/fast/slots.rs"),
+    ("config.rs", "rust/magcomp-ffi/src/config/records.rs"),
+    ("Builders.kt", "android/library/src/main/kotlin/org/magcomp/Builders.kt"),
+    ("magcomp.h", "rust/magcomp-ffi/include/magcomp.h"),
+    ("status_c.rs", "c/src/status.rs"),
+    ("ReadingBuffer.kt", "android/library/src/main/kotlin/org/magcomp/ReadingBuffer.kt"),
+    ("StatusTexts.kt", "android/library/src/main/kotlin/org/magcomp/StatusTexts.kt"),
+    ("FastReading.swift", "ios/Sources/Magcomp/FastReading.swift"),
+    ("status.py", "python/magcomp/_status.py"),
+    ("StatusTexts.swift", "ios/Sources/Magcomp/StatusTexts.swift"),
+];
+
+/// Pages of which a part is a template's. The part stands between a line that names the template and one that ends it.
+const PARTS: &[(&str, &[&str])] = &[
+    ("docs/STATUS.md", &["statuses", "reasons", "events"]),
+    ("ios/Sources/Magcomp/Magcomp.docc/WhatTheStatusMeans.md", &["statuses_docc"]),
+];
+
+/// Folders in which there is nothing but what is made here.
+const FOLDERS: [&str; 2] = ["android/library/src/main/res", "ios/Sources/Magcomp/Resources"];
+
+fn content(root: &Path, path: &str) -> Result<String, String> {
+    fs::read_to_string(root.join(path)).map_err(|error| format!("{path}: {error}"))
+}
+
+/// All that is made of the tables in this repository.
+pub fn files(root: &Path) -> Result<Vec<File>, String> {
+    let enums = table::read(&content(root, "bindings/status.toml")?)?;
+    let mut languages = Vec::new();
+    for path in below(root, "bindings/texts")? {
+        let language = path.strip_prefix("bindings/texts/").and_then(|name| name.strip_suffix(".txt"));
+        let is_code = |code: &str, least: usize, most: usize| {
+            (least..=most).contains(&code.len()) && code.bytes().all(|b| b.is_ascii_alphabetic())
+        };
+        let known = language.filter(|it| {
+            it.split_once('-')
+                .map_or_else(|| is_code(it, 2, 3), |(code, region)| is_code(code, 2, 3) && is_code(region, 2, 2))
+        });
+        let language = known.ok_or_else(|| format!("{path}: expected a language's code, as de.txt or pt-BR.txt"))?;
+        languages.push((language.to_owned(), content(root, &path)?));
+    }
+    let all = texts::read(&enums, &languages)?;
+    let codes_of_languages: Vec<String> = languages.into_iter().map(|(code, _)| code).collect();
+    if let Some(unknown) =
+        all.iter().flat_map(|text| text.languages.keys()).find(|code| !codes_of_languages.contains(code))
+    {
+        return Err(format!("bindings/status.toml has a text.{unknown}, and there is no bindings/texts/{unknown}.txt"));
+    }
+    for case in enums.iter().flat_map(|one| &one.cases) {
+        if let Some(name) = case.guidance.as_ref().filter(|name| !all.iter().any(|text| text.name == **name)) {
+            return Err(format!(
+                "bindings/status.toml: {} has the guidance {name}, which bindings/texts/en.txt does not have",
+                case.name
+            ));
+        }
+    }
+    let mut made = texts::files(&all, &codes_of_languages);
+    // the page is empty before the first time
+    let page = content(root, "bindings/codes.txt").unwrap_or_default();
+    made.push(("bindings/codes.txt".to_owned(), codes::updated(&page, &enums)?));
+
+    let renamed = renamed(root)?;
+    let enums = view::enums(&enums, &renamed)?;
+    let by_name = enums.iter().map(|one| (one.name.clone(), one.clone())).collect();
+    let reading = reading::read(&content(root, "bindings/reading.toml")?, &enums, &renamed)?;
+    let settings = config::read(&content(root, "bindings/config.toml")?, &renamed)?;
+    let values = Value::from(Serde(view::Values { enums, by_name, reading, settings }));
+    let mut environment = Environment::new();
+    let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build();
+    environment.set_syntax(syntax.expect("the usual delimiters"));
+    environment.set_undefined_behavior(UndefinedBehavior::Strict);
+    environment.set_auto_escape_callback(|_| AutoEscape::None);
+    let rendered = |template: &str| -> Result<String, String> {
+        let source = content(root, &format!("bindings/templates/{template}"))?;
+        environment
+            .render_named_str(template, &source, values.clone())
+            .map_err(|error| format!("bindings/templates/{template}: {error:#}"))
+    };
+    for (template, path) in WHOLE {
+        made.push(((*path).to_owned(), rendered(template)?));
+    }
+    for (path, templates) in PARTS {
+        let mut page = content(root, path)?;
+        for template in *templates {
+            page = with_part(&page, template, &rendered(&format!("{template}.md"))?)
+                .map_err(|why| format!("{path}{why}"))?;
+        }
+        made.push(((*path).to_owned(), page));
+    }
+    Ok(made)
+}
+
+/// A page whose part of this name is another one.
+fn with_part(page: &str, name: &str, part: &str) -> Result<String, String> {
+    let begins = format!("<!-- made by bindings/generate.sh from bindings/status.toml: {name} -->\n");
+    let missing = |what: &str| format!(" has no line `{}`", what.trim_end());
+    let (before, rest) = page.split_once(&begins).ok_or_else(|| missing(&begins))?;
+    let (_, after) = rest.split_once("<!-- end -->\n").ok_or_else(|| missing("<!-- end -->"))?;
+    Ok(format!("{before}{begins}{part}<!-- end -->\n{after}"))
+}
+
+/// Names that uniffi gives in Kotlin and Swift; the two have the same.
+fn renamed(root: &Path) -> Result<BTreeMap<String, String>, String> {
+    let path = "rust/magcomp-ffi/uniffi.toml";
+    let settings: toml::Table = content(root, path)?.parse().map_err(|error| format!("{path}: {error}"))?;
+    let names = settings.get("bindings").and_then(|it| it.get("kotlin")).and_then(|it| it.get("rename"));
+    let names =
+        names.and_then(toml::Value::as_table).ok_or_else(|| format!("{path} has no [bindings.kotlin.rename]"))?;
+    Ok(names.iter().filter_map(|(name, to)| Some((name.clone(), to.as_str()?.to_owned()))).collect())
+}
+
+/// Paths of all files in a folder and the folders in it, sorted.
+fn below(root: &Path, folder: &str) -> Result<BTreeSet<String>, String> {
+    let mut found = BTreeSet::new();
+    for entry in fs::read_dir(root.join(folder)).map_err(|error| format!("{folder}: {error}"))? {
+        let entry = entry.map_err(|error| format!("{folder}: {error}"))?;
+        let path = format!("{folder}/{}", entry.file_name().to_string_lossy());
+        if entry.path().is_dir() { found.extend(below(root, &path)?) } else { _ = found.insert(path) }
+    }
+    Ok(found)
+}
+
+/// Writes the files, and removes those of [`FOLDERS`] that are made no more; with `is_check` it names the first that is not as it would be.
+pub fn kept(root: &Path, files: &[File], is_check: bool) -> Result<(), String> {
+    let stale = |path: &str| format!("{path} is not what the tables make; run bindings/generate.sh and commit");
+    for (path, text) in files {
+        if content(root, path).is_ok_and(|found| found == *text) {
+            continue;
+        }
+        if is_check {
+            return Err(stale(path));
+        }
+        let file = root.join(path);
+        let folder = file.parent().expect("a folder");
+        fs::create_dir_all(folder).and_then(|()| fs::write(&file, text)).map_err(|error| format!("{path}: {error}"))?;
+    }
+    for folder in FOLDERS {
+        for path in below(root, folder)?.into_iter().filter(|path| files.iter().all(|(made, _)| made != path)) {
+            if is_check {
+                return Err(stale(&path));
+            }
+            fs::remove_file(root.join(&path)).map_err(|error| format!("{path}: {error}"))?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_of_a_page_is_replaced_and_nothing_else() {
+        let page = "a\n<!-- made by bindings/generate.sh from bindings/status.toml: b -->\nold\n<!-- end -->\nc\n";
+        assert_eq!(with_part(page, "b", "new\n").unwrap(), page.replace("old", "new"));
+        assert!(with_part(page, "c", "").unwrap_err().contains("no line `<!-- made"));
+        assert!(with_part(&page.replace("<!-- end -->", ""), "b", "").unwrap_err().contains("no line `<!-- end -->`"));
+    }
+
+    #[test]
+    fn the_repository_has_what_the_tables_make() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let files = files(&root).unwrap();
+        assert!(files.len() > WHOLE.len() + 6, "{}", files.len());
+        kept(&root, &files, true).unwrap();
+    }
+}
