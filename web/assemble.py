@@ -21,7 +21,7 @@ def hash_of(script):
 def example():
     """90 s of a recording without disturbance, as they are but for their times; from 45 s on a constant field of 27 uT is added: a magnet."""
     lines = gzip.open(here.parent / "tests/recordings/broad_01_slow_rotation_A.csv.gz", "rt").read().splitlines()
-    begin_s, seconds, on_s, magnet_ut = 100.0, 90.0, 45.0, (18.0, -12.0, 16.0)
+    begin_s, seconds, on_s, magnet_ut = 60.0, 90.0, 45.0, (18.0, -12.0, 16.0)
     rows = [lines[0]]
     for line in lines[1:]:
         cells = line.split(",")
