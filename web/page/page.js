@@ -3,8 +3,6 @@
 const element = (id) => document.getElementById(id);
 const packed = (id) => Uint8Array.from(atob(element(id).textContent), (c) => c.charCodeAt(0));
 const workerUrl = URL.createObjectURL(new Blob([element("worker").textContent], { type: "text/javascript" }));
-// Lines of the report's card that are told at once.
-const VERDICT_LINES = 3;
 let worker = null, urls = [];
 
 function show(state) {
@@ -50,9 +48,9 @@ function finish({ opened, calibration, report, readings }, name) {
     new ResizeObserver(fit).observe(frame.contentDocument.body);
     fit();
     // what a screen reader is told, and what stands on the screen first
-    const card = frame.contentDocument.querySelector(".card");
-    const lines = card === null ? [] : [...card.querySelectorAll(".verdict, li")].slice(0, VERDICT_LINES);
-    element("verdict").textContent = lines.map((line) => line.textContent.trim().replace(/\.?$/, ".")).join(" ");
+    const told = (card) => [".verdict", "li"].map((part) => card.querySelector(part)?.textContent.trim().replace(/\.$/, ""));
+    const lines = [...frame.contentDocument.querySelectorAll(".card")].map((card) => told(card).filter(Boolean).join(": "));
+    element("verdict").textContent = lines.map((line) => `${line}.`).join(" ");
     element("outcome").focus({ preventScroll: true });
     element("outcome").scrollIntoView();
   };
