@@ -2,7 +2,10 @@
 """Public data sets as recordings: `benchmarks/convert.py SET FOLDER OUT`. FOLDER is what you downloaded, OUT what `magcomp compare --recordings OUT` takes.
 
     broad        github.com/dlaidig/broad: FOLDER has data_mat/*.mat
-    smartphones  github.com/tyrex-team/benchmarks-attitude-smartphones: FOLDER has datasets/android, datasets/ios, datasets/qualisys
+    smartphones  github.com/tyrex-team/benchmarks-attitude-smartphones: FOLDER has datasets/android, datasets/ios, datasets/qualisys.
+                 OUT/fused gets the headings of the phones' own fusion, for `compare --entry`
+    magnet       FOLDER is an OUT of `smartphones`: a magnet is put on each phone in the middle of its recording. That is arithmetic: a
+                 constant field of 27 uT is added to the raw samples and to the system's field. Past boards with magnets none is added
 
 Needs numpy and scipy. With --only PATTERN, once or more, only the trials whose names fit (`Jakob_*`), and the calibrations."""
 
@@ -21,9 +24,8 @@ G_M_S2 = 9.80665
 COLUMNS = "t_s,mx,my,mz,ax,ay,az,gx,gy,gz,qw,qx,qy,qz"
 
 
-def write(path, columns, header):
+def write(path, columns, header, digits=(4, *[3] * 3, *[4] * 3, *[5] * 3, *[6] * 4)):
     """Rows of text, so that the same input gives the same file."""
-    digits = [4] + [3] * 3 + [4] * 3 + [5] * 3 + [6] * 4
     lines = [",".join(f"{value:.{d}f}" for value, d in zip(row, digits)) for row in np.column_stack(columns)]
     with gzip.GzipFile(path, "wb", mtime=0) as file:
         file.write("\n".join([header, *lines, ""]).encode())
@@ -108,11 +110,13 @@ def broad(folder, out, only):
 DAYS = {"2016-05-31": "d1", "2016-06-02": "d2", "2016-06-03": "d3", "2016-06-06": "d4"}
 
 
+def ios_begin(folder):
+    return float(re.search(r"BootTime\s*=\s*([\d.]+)", (folder / "description.txt").read_text())[1])
+
+
 def sensors(folder, is_ios):
     """Times and vectors of magnetometer, the system's field, accelerometer (+g up at rest) and gyroscope."""
-    begin = 0.0
-    if is_ios:
-        begin = float(re.search(r"BootTime\s*=\s*([\d.]+)", (folder / "description.txt").read_text())[1])
+    begin = ios_begin(folder) if is_ios else 0.0
     streams = []
     for name in ("magnetometer", "magnetometer-calibrated", "accelerometer", "gyroscope"):
         values = np.loadtxt(folder / f"{name}.txt", usecols=range(4))
@@ -132,6 +136,21 @@ def motion_capture(path):
     for k in np.flatnonzero(turn_rates(times, q) > FASTEST_RAD_S):
         q[np.abs(times - times[k]) < JUMP_S] = np.nan
     return times, q, DAYS[str(trial.Timestamp)[:10]]
+
+
+def fused(folder, is_ios, at):
+    """The attitude that the phone's own fusion last gave at these times, device to east-north-up by magnetic north: Android's rotation vector,
+    or CMAttitude, whose world has x north, y west. An iPhone's begins with x wherever it points, and a few do not find north within two minutes."""
+    path, begin = (folder / "attitude.txt", ios_begin(folder)) if is_ios else (folder / "rotation-vector.txt", 0.0)
+    values = np.loadtxt(path, usecols=range(5))
+    times, q = values[:, 0] - begin, values[:, 1:]
+    if is_ios:
+        w, x, y, z = q.T
+        q = np.sqrt(0.5) * np.column_stack([w - z, x - y, x + y, w + z])
+    else:
+        q = q[:, [3, 0, 1, 2]]
+    last = np.searchsorted(times, at, "right") - 1
+    return np.where((last < 0)[:, None], np.nan, q[np.maximum(last, 0)])
 
 
 FASTEST_RAD_S = 15.0
@@ -188,20 +207,47 @@ def smartphones(folder, out, only):
         write(out / f"{name}_uncal.csv.gz", [t - t[0], field_ut, *inertial, at_times(times, q, t + late)], COLUMNS)
         k = np.clip(np.searchsorted(system[0], t, "right") - 1, 0, len(system[0]) - 1)
         write(out / f"{name}_oscal.csv.gz", [t - t[0], np.where((t < system[0][0])[:, None], np.nan, system[1][k])], "t_s,mx,my,mz")
+        (out / "fused").mkdir(exist_ok=True)
+        write(out / "fused" / f"{name}_uncal.csv.gz", [t - t[0], fused(trial, is_ios, t)], "t_s,qw,qx,qy,qz", (4, 6, 6, 6, 6))
         rows.append([f"{name}_uncal", group, 1.9, "", f"calib_mag_{device}_{day}"])
         print(f"{name}: clocks agree to {agreement:.3f}", flush=True)
     index(out, rows)
 
 
+# The field of a cover with a magnet, in the phone's axes, uT: 27 uT in all.
+MAGNET_UT = np.array([18.0, -12.0, 16.0])
+
+
+def magnet(folder, out, only):
+    index_rows = list(csv.reader((folder / "INDEX.csv").open()))[1:]
+    rows = []
+    for name, group, declination_deg, _, calibration in index_rows:
+        trial = name.removesuffix("_uncal")
+        if group.startswith("past boards") or not fits(trial, only):
+            continue
+        on_s = None
+        for half in ("uncal", "oscal"):
+            with gzip.open(folder / f"{trial}_{half}.csv.gz", "rt") as file:
+                header = file.readline().strip()
+                values = np.loadtxt(file, delimiter=",")
+            if on_s is None:
+                on_s = round(float(values[0, 0] + values[-1, 0]) / 2, 1)
+            values[values[:, 0] >= on_s, 1:4] += MAGNET_UT
+            write(out / f"{trial}_{half}.csv.gz", [values], header)
+        rows.append([name, f"{group}, a magnet put on", declination_deg, f"{on_s}-{values[-1, 0]}", "", on_s])
+        print(f"{trial}: from {on_s} s on", flush=True)
+    index(out, rows, "recording,group,declination_deg,magnet_s,calibration,judged_s")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("set", choices=["broad", "smartphones"])
+    parser.add_argument("set", choices=["broad", "smartphones", "magnet"])
     parser.add_argument("folder", type=Path)
     parser.add_argument("out", type=Path)
     parser.add_argument("--only", action="append", metavar="PATTERN")
     chosen = parser.parse_args()
     chosen.out.mkdir(parents=True, exist_ok=True)
-    {"broad": broad, "smartphones": smartphones}[chosen.set](chosen.folder, chosen.out, chosen.only or ["*"])
+    {"broad": broad, "smartphones": smartphones, "magnet": magnet}[chosen.set](chosen.folder, chosen.out, chosen.only or ["*"])
 
 
 main()

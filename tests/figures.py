@@ -1,19 +1,28 @@
 #!/usr/bin/env python3
-"""Figures of the pages. `tests/figures.py` compares those that one page takes from another, at once: LIMITS's with EVALUATION's, README's with COMPARISON's
-and LIMITS's. `tests/figures.py commands` runs the commands beside figures too, for about ten minutes: before a release, with the command built
-(`cargo build --release`), or with MAGCOMP naming it. `tests/figures.py comparison [PHONES]` runs COMPARISON's two comparisons alone; PHONES is what
-`benchmarks/convert.py smartphones` wrote, and without it the phones' tables stay. With `--write` each corrects the pages."""
+"""Figures of the pages. `tests/figures.py` compares the pages with docs/data, and those figures that one page takes from another, at once.
 
+With --write it corrects them. What runs the command needs it built (`cargo build --release`), or MAGCOMP naming it, and writes docs/data and pictures too:
+
+    tests/figures.py evaluation --write                     docs/data/evaluation.csv: all situations, by the seeds that judge
+    tests/figures.py comparison [PHONES PUT_ON] --write     docs/data/comparison.csv: recordings. PHONES is what `benchmarks/convert.py smartphones`
+                                                            wrote, PUT_ON what `benchmarks/convert.py magnet` made of it; FOLDER-NAME beside each has
+                                                            the answers of `benchmarks/rivals.py NAME`. Without them the lines of phones stay
+    tests/figures.py commands --write                       figures in the text that other commands print, for about ten minutes"""
+
+import csv
 import json
 import os
 import re
 import subprocess
 import sys
+import tempfile
 import textwrap
+from statistics import median
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 NUMBER = r"[+-]?\d+(?:\.\d+)?"
+EVALUATION, COMPARISON = "docs/data/evaluation.csv", "docs/data/comparison.csv"
 
 
 def cells(row):
@@ -39,6 +48,14 @@ class Pages:
             self.texts[name] = self.text(name).replace(old, new, 1)
             self.changed.add(name)
 
+    def replace(self, name, new):
+        """The whole file `name` should read `new`."""
+        old = self.text(name) if (ROOT / name).exists() else ""
+        if old != new:
+            self.wrong.append(f"{name}: is not what the command prints")
+            self.texts[name] = new
+            self.changed.add(name)
+
     def sentence(self, name, template, values):
         """A place of page `name` that reads as `template`, its {} numbers: those are `values` as the template formats them."""
         parts = re.split(r"(\{[^}]*\})", template)
@@ -58,20 +75,25 @@ class Pages:
         self.expect(name, found.group(), new, template)
 
 
-def evaluation(pages):
-    """EVALUATION's lines: (title of the part, name) -> cells."""
-    lines, title = {}, None
-    for row in pages.text("docs/EVALUATION.md").splitlines():
-        if row.startswith("## "):
-            title = row[3:]
-        elif row.startswith("| "):
-            lines[title, cells(row)[0]] = cells(row)
-    return lines
+    def table(self, name, after, rows):
+        """The first table of page `name` below the line `after`, without its two head lines."""
+        text = self.text(name)
+        begin = text.find(f"\n{after}\n")
+        found = re.compile(r"^\|[^\n]*\n\|-[^\n]*\n((?:\|[^\n]*\n)*)", re.MULTILINE).search(text, begin) if begin >= 0 else None
+        if found is None:
+            self.wrong.append(f"{name}: no table below {after!r}")
+            return
+        new = text[begin : found.start(1)] + "".join(f"| {' | '.join(row)} |\n" for row in rows)
+        self.expect(name, text[begin : found.end()], new, after)
+
+
+def data(pages, name):
+    return list(csv.DictReader(pages.text(name).splitlines()))
 
 
 def limits(pages):
-    """LIMITS's table takes its figures from the line of EVALUATION that its last column names."""
-    lines, part = evaluation(pages), ""
+    """LIMITS's table takes its figures from the line of docs/data/evaluation.csv that its last column names."""
+    lines, part = data(pages, EVALUATION), ""
     alone = "Magnetometer and accelerometer, no gyroscope"
     for row in pages.text("docs/LIMITS.md").splitlines():
         part = row[3:] if row.startswith("## ") else part
@@ -79,43 +101,172 @@ def limits(pages):
             continue
         situation, *_, helps, name = cells(row)
         is_alone = part == "Without a gyroscope"
-        found = [line for (title, own), line in lines.items() if own == name and (title == alone) == is_alone]
+        found = [line for line in lines if line["situation"] == name and (line["group"] == alone) == is_alone]
         if len(found) != 1:
-            pages.wrong.append(f"docs/LIMITS.md: EVALUATION has {len(found)} lines {name!r}")
+            pages.wrong.append(f"docs/LIMITS.md: {EVALUATION} has {len(found)} lines {name!r}")
             continue
-        answered, error, worst, within = (found[0][k] for k in (1, 4, 5, 7))
-        says = "-" if within == "-" else "yes" if int(within) >= 95 else "mostly" if int(within) >= 85 else "no"
-        pages.expect("docs/LIMITS.md", row, f"| {' | '.join([situation, error, worst, answered, says, helps, name])} |", situation)
+        shown = [found[0][key] or "-" for key in ("error_median_deg", "error_worst_deg", "answered_percent")]
+        within = found[0]["within_2_sigma_percent"]
+        says = "-" if not within else "yes" if int(within) >= 95 else "mostly" if int(within) >= 85 else "no"
+        pages.expect("docs/LIMITS.md", row, f"| {' | '.join([situation, *shown, says, helps, name])} |", situation)
+
+
+# A line is bad when fewer of its errors lie within two sigmas, a lie lasts longer, or more changes are told that did not happen.
+LEAST_WITHIN, MOST_LIE_S, MOST_FALSE_PER_H = 90, 1.0, 10
+WORST = 20
+
+
+def number(line, key):
+    """A figure of a line; nothing where none was judged, and infinite where it was never reached."""
+    cell = line[key]
+    return None if cell == "" else float("inf") if cell == "never" else float(cell)
+
+
+def evaluation_page(pages):
+    """EVALUATION's groups, its worst lines and its counts."""
+    page, lines = "docs/EVALUATION.md", data(pages, EVALUATION)
+    groups = list(dict.fromkeys(line["group"] for line in lines))
+    rows = []
+    for group in groups:
+        own = [line for line in lines if line["group"] == group]
+        errors = [error for line in own if (error := number(line, "error_median_deg")) is not None]
+        within = [share for line in own if (share := number(line, "within_2_sigma_percent")) is not None]
+        shown = [f"{median(errors):.1f}", f"{max(errors):.1f}"] if errors else ["-", "-"]
+        answered = [share for line in own if (share := number(line, "answered_percent")) is not None]
+        rows.append([group, str(len(own)), f"{median(answered):.0f}" if answered else "-", *shown, f"{min(within):.0f}" if within else "-"])
+    pages.table(page, "## Groups", rows)
+    judged = [line for line in lines if line["error_median_deg"]]
+    judged.sort(key=lambda line: -float(line["error_median_deg"]))
+    keys = ("answered_percent", "error_median_deg", "error_worst_deg", "within_2_sigma_percent", "lie_s")
+    pages.table(page, "## The twenty worst", [[line["situation"], line["group"], *(line[key] or "-" for key in keys)] for line in judged[:WORST]])
+    narrow = sum((number(line, "within_2_sigma_percent") or 100) < LEAST_WITHIN for line in judged)
+    lies = sum(number(line, "lie_s") > MOST_LIE_S for line in lines)
+    false = sum(number(line, "false_per_h") > MOST_FALSE_PER_H for line in lines)
+    missed, due = (sum(int(line[key]) for line in lines) for key in ("missed", "due"))
+    pages.sentence(page, "Of {:.0f} situations {:.0f} have a heading that is judged.", [len(lines), len(judged)])
+    pages.sentence(page, f"in {{:.0f}} fewer than {LEAST_WITHIN} % of the errors lie within two sigmas", [narrow])
+    pages.sentence(page, f"in {{:.0f}} a lie lasts longer than {MOST_LIE_S} s", [lies])
+    pages.sentence(page, f"in {{:.0f}} more than {MOST_FALSE_PER_H} changes an hour are told that did not happen", [false])
+    pages.sentence(page, "{:.0f} of {:.0f} changes of the device are missed", [missed, due])
+
+
+def evaluation(pages):
+    """Judges all situations anew; EVALUATION tells what changed most since the file before."""
+    before = {(line["group"], line["situation"]): line for line in data(pages, EVALUATION)}
+    with tempfile.TemporaryDirectory() as folder:
+        printed = run("evaluate", "--judge", "--csv", "--report", folder)
+        picture = Path(folder, "groups.svg").read_text()
+    pages.replace(EVALUATION, printed)
+    pages.replace("docs/pictures/evaluation.svg", picture)
+    changed, only = [], []
+    for line in data(pages, EVALUATION):
+        old = before.get((line["group"], line["situation"]))
+        if old is None:
+            only.append(line["situation"])
+        elif old["error_median_deg"] and line["error_median_deg"]:
+            was, now = float(old["error_median_deg"]), float(line["error_median_deg"])
+            # of errors of some degrees the ratio says more than the difference; those below half a degree do not matter
+            changed.append((max(was, 0.5) / max(now, 0.5), [line["situation"], line["group"], f"{was:.1f}", f"{now:.1f}"]))
+    changed.sort(key=lambda one: -max(one[0], 1 / one[0]))
+    pages.table("docs/EVALUATION.md", "## Since the page before", [row for ratio, row in changed[:10] if ratio != 1] or [["nothing", "", "", ""]])
+
+
+# COMPARISON's groups of phones, and how its tables call the methods.
+QUIET, RUNNING, BOARDS = "quiet room", "running", "past boards with magnets"
+PUT_ON = ", a magnet put on"
+FUSED, SYSTEM, VQF, OURS = "the phone's own heading", "the system's field", "VQF on the system's field", "magcomp: heading"
+
+
+def scores(pages, group, method, key="rms_deg"):
+    return [float(line[key]) for line in data(pages, COMPARISON) if (line["group"], line["method"]) == (group, method) and line[key]]
+
+
+def two(values):
+    """Median and worst."""
+    return f"{median(values):.1f} / {max(values):.1f}" if values else "-"
+
+
+def comparison_page(pages):
+    page, lines = "docs/COMPARISON.md", data(pages, COMPARISON)
+    methods = list(dict.fromkeys(line["method"] for line in lines))
+    phones = [QUIET, QUIET + PUT_ON, RUNNING, RUNNING + PUT_ON, BOARDS]
+    def rows(groups, key, methods=methods):
+        table = [[method, *(two(scores(pages, group, method, key)) for group in groups)] for method in methods]
+        table = [row for row in table if set(row[1:]) != {"-"}]
+        first = lambda row: min(float(cell.split(" / ")[0]) for cell in row[1:] if cell != "-")
+        return sorted(table, key=lambda row: float(row[1].split(" / ")[0]) if row[1] != "-" else first(row))
+    pages.table(page, "### Up to one constant", rows(phones, "rms_deg"))
+    pages.table(page, "### Against north", rows(phones, "north_rms_deg", [FUSED, SYSTEM, VQF, "VQF on a fit with the gyroscope's turns", "VQF on magcomp's corrected sample", OURS]))
+    sure = []
+    for group in phones:
+        own = [line for line in lines if (line["group"], line["method"]) == (group, OURS)]
+        if own:
+            mean = sum(float(line["answered_percent"]) for line in own) / len(own)
+            within = [float(line["within_2_sigma_percent"]) for line in own if line["within_2_sigma_percent"]]
+            off = [float(line["step_off_ut"]) for line in own if line["step_off_ut"]]
+            changes = sum(int(line["device_changes"]) for line in own)
+            true = len(own) if group.endswith(PUT_ON) else 0
+            sure.append([group, str(len(own)), f"{mean:.0f}", f"{median(within):.0f} / {min(within):.0f}", f"{changes} of {true}", two(off)])
+    pages.table(page, "### How sure", sure)
+    sensor = ["nothing disturbs", "past a magnet that stands still", "a magnet on the sensor"]
+    pages.table(page, "## A sensor with magnets", rows(sensor, "rms_deg"))
+    magnets = [line for line in lines if line["group"] == sensor[2] and line["method"] == OURS]
+    pages.table(page, "### The magnet's field", [[line["recording"], line["step_ut"], line["step_off_ut"]] for line in magnets])
 
 
 def readme(pages):
-    """README's table is median and worst of COMPARISON's."""
-    compared, title = {}, ""
-    for row in pages.text("docs/COMPARISON.md").splitlines():
-        title = row[4:].split(":")[0] if row.startswith("### ") else title
-        if row.startswith("| "):
-            compared[title, cells(row)[0]] = cells(row)
-    figures = lambda cell: [part.strip() for part in cell.split("/")]
-    north = []
-    for name, title in [("in a quiet room, 20 recordings", "Quiet room"), ("running, 6", "Running"),
-                        ("past boards with magnets, 19", "Past boards with magnets")]:
-        methods = [compared[title, method] for method in ("the system's field", "VQF on the system's field", "magcomp: heading")]
-        pairs = [value for method in methods for value in (figures(method[1])[0], figures(method[1])[2])]
-        pages.sentence("README.md", f"| {name} | {{}}, worst {{}} | {{}}, worst {{}} | **{{}}**, worst {{}} |", pairs)
-        north.append(figures(methods[2][2])[0])
-    pages.sentence("README.md", "With it left in, magcomp has {}, {} and {}.", north)
-    alone = figures(compared["Past boards with magnets", "magcomp, magnetometer alone: corrected sample"][1])
-    pages.sentence("README.md", "errors of {} degrees;", alone[:1])
-    pages.sentence("docs/LIMITS.md", "the heading is of no use: {} degrees off, {} at worst", [alone[0], alone[2]])
-    car = evaluation(pages)["Carried phones: places", "in a hand, a car of 30 uT closes at 30 s"]
-    pages.sentence("README.md", "in a car without GNSS: {} degrees in a hand", car[4:5])
+    """README's table is median and worst of docs/data/comparison.csv."""
+    for name, group in (("in a quiet room, {}", QUIET), ("running, {}", RUNNING), ("past boards with magnets inside, {}", BOARDS),
+                        ("quiet, from a magnet on the phone on, {}", QUIET + PUT_ON)):
+        found = [scores(pages, group, method) for method in (FUSED, VQF, OURS)]
+        answered = scores(pages, group, OURS, "answered_percent")
+        begin = name.format("{:.0f}")
+        own = "" if not found[0] else "{:.1f}, worst {:.1f}"
+        template = f"| {begin} | {own or '-'} | {{:.1f}}, worst {{:.1f}} | **{{:.1f}}**, worst {{:.1f}} | {{:.0f}} % |"
+        values = [len(found[2])]
+        for one in found if found[0] else found[1:]:
+            values += [median(one), max(one)]
+        pages.sentence("README.md", template, [*values, sum(answered) / len(answered)])
+    north = [median(scores(pages, group, OURS, "north_rms_deg")) for group in (QUIET, RUNNING, BOARDS)]
+    pages.sentence("README.md", "With it left in, magcomp has {:.1f}, {:.1f} and {:.1f}.", north)
+    alone = scores(pages, BOARDS, "magcomp, magnetometer alone: corrected sample")
+    pages.sentence("docs/LIMITS.md", "the heading is of no use: {:.1f} degrees off, {:.1f} at worst", [median(alone), max(alone)])
+    [car] = [line for line in data(pages, EVALUATION) if line["situation"] == "in a hand, a car of 30 uT closes at 30 s"]
+    pages.sentence("README.md", "in a car without satellite courses: {} degrees off in a hand", [car["error_median_deg"]])
+
+
+def comparison(pages, phones=None, put_on=None):
+    """Compares all methods on the recordings that are here, and on phones where they were downloaded."""
+    folders = [Path("tests/recordings")] + ([Path(phones), Path(put_on)] if phones else [])
+    kept = [] if phones else [line for line in pages.text(COMPARISON).splitlines()[1:] if ",broad_" not in line]
+    lines, head = [], ""
+    for folder in folders:
+        entries = [(FUSED, folder / "fused")] + [(name, folder.parent / f"{folder.name}-{answers}") for name, answers in RIVALS]
+        entries = [part for name, answers in entries if answers.is_dir() for part in ("--entry", f"{name}={answers.resolve()}")]
+        with tempfile.TemporaryDirectory() as report:
+            head, *own = run("compare", "--recordings", str(folder.resolve()), "--csv", *entries, "--report", report).splitlines()
+            picture = Path(report, f"over_time_{SHOWN}.svg")
+            if picture.exists():
+                pages.replace("docs/pictures/magnet_on_a_phone.svg", picture.read_text())
+        lines += own
+    pages.replace(COMPARISON, "\n".join([head, *lines, *kept, ""]))
+
+
+# Programs that are none of ours: their names in tables, and those of benchmarks/rivals.py. And the recording of README's picture.
+RIVALS = [("react-native-nitro-compass", "react-native"), ("MAGYC over the whole recording, then VQF", "magyc"),
+          ("MAGYC online, then VQF", "magyc-online")]
+SHOWN = "Jakob_iPhone5_NoDist_Texting_d3_uncal"
+
+
+def run(*arguments):
+    """What the command prints."""
+    command = os.environ.get("MAGCOMP") or os.environ.get("CARGO_TARGET_DIR", "target") + "/release/magcomp"
+    print("figures: magcomp", *arguments, flush=True)
+    return subprocess.run([str(Path(ROOT, command)), *arguments], cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
 
 
 def magcomp(*arguments):
-    command = os.environ.get("MAGCOMP") or os.environ.get("CARGO_TARGET_DIR", "target") + "/release/magcomp"
-    line = [str(Path(ROOT, command)), *arguments, "--json"]
-    print("figures: magcomp", *arguments, flush=True)
-    return json.loads(subprocess.run(line, cwd=ROOT, check=True, stdout=subprocess.PIPE).stdout)
+    return json.loads(run(*arguments, "--json"))
 
 
 def half(result):
@@ -141,11 +292,11 @@ def answer(result, name):
 
 
 def headline(pages):
-    found = magcomp("demo", "--runs", "1", "--report", os.environ.get("TMPDIR", "/tmp") + "/magcomp-figures")["headline"]
-    three = [found["raw_deg"], found["papers_deg"], found["magcomp_deg"]]
-    pages.sentence("README.md", "The raw heading is {:.0f} degrees off, that of [the paper's method](docs/dev/PAPER.md), which magcomp began from, {:.0f}, "
-                   "magcomp's {:.1f} (rms;", three)
-    pages.sentence("docs/COMPARISON.md", "leaves the raw heading {:.0f} degrees off, the paper's {:.0f}, VQF's", three[:2])
+    with tempfile.TemporaryDirectory() as folder:
+        found = magcomp("demo", "--runs", "1", "--report", folder)["headline"]
+        pages.replace("docs/pictures/heading_error.svg", Path(folder, "heading_error.svg").read_text())
+    three = [found["raw_deg"], found["vqf_deg"], found["magcomp_deg"]]
+    pages.sentence("README.md", "It prints {:.0f}, {:.1f} and {:.1f} degrees", three)
 
 
 def steps(pages):
@@ -207,44 +358,16 @@ def aided(pages):
                            [seconds["median"], seconds["worst"], 100 * within[0], 100 * within[1]])
 
 
-def tables(folder, order):
-    """What `compare` prints of a folder of recordings, as COMPARISON has it: the groups in this order."""
-    command = os.environ.get("MAGCOMP") or os.environ.get("CARGO_TARGET_DIR", "target") + "/release/magcomp"
-    line = [str(Path(ROOT, command)), "compare", "--recordings", str(folder), "--markdown"]
-    print("figures: magcomp compare --recordings", Path(folder).name, flush=True)
-    printed = subprocess.run(line, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
-    found = {}
-    for title, rows, notes in re.findall(r"^([^|\n][^\n]*)\n\n((?:\|[^\n]*\n)+)\n?((?:[^|\n][^\n]*\n)*)", printed, re.MULTILINE):
-        notes = " ".join(notes.split())
-        notes = notes.split(" Rms of the heading error")[0].replace("*: the best.", "Bold: the best.")
-        found[title[0].upper() + title[1:]] = rows + ("\n" + textwrap.fill(notes, 158, break_on_hyphens=False) + "\n" if notes else "")
-    place = lambda title: next((k for k, begin in enumerate(order) if title.startswith(begin)), len(order))
-    return "\n".join(f"### {title}\n\n{found[title]}" for title in sorted(found, key=place)) + "\n"
-
-
-def comparison(pages, phones=None):
-    page = "docs/COMPARISON.md"
-    places = [("## A sensor with magnets", "\n## Phones", "tests/recordings", ["Median", "A magnet is put", "Nothing", "Past", "A magnet on"])]
-    if phones is not None:
-        places.append(("## Phones", "\nVQF starts from", phones, ["Median", "Quiet", "Running", "Past"]))
-    for begin, end, folder, order in places:
-        text = pages.text(page)
-        first = text.index("\n### ", text.index(begin)) + 1
-        old = text[first : text.index(end, first)]
-        pages.expect(page, old, tables(Path(folder).resolve(), order).rstrip("\n") + "\n", begin)
-
-
 def main():
     arguments = sys.argv[1:]
     writes = "--write" in arguments
-    what, *phones = [argument for argument in arguments if argument != "--write"] or ["pages"]
-    if what not in ("pages", "commands", "comparison") or len(phones) > (what == "comparison"):
+    what, *folders = [argument for argument in arguments if argument != "--write"] or ["pages"]
+    runs = {"pages": [], "evaluation": [evaluation], "comparison": [lambda pages: comparison(pages, *folders)],
+            "commands": [headline, steps, paper, aided]}
+    if what not in runs or len(folders) not in ((0, 2) if what == "comparison" else (0,)):
         sys.exit(__doc__)
     pages = Pages()
-    if what == "comparison":
-        comparison(pages, *phones)
-    parts = [limits, readme] + ([headline, steps, paper, aided] if what == "commands" else [])
-    for part in parts:
+    for part in [*runs[what], limits, evaluation_page, comparison_page, readme]:
         part(pages)
     for wrong in pages.wrong:
         print(f"figures: {wrong}", file=sys.stderr)

@@ -18,7 +18,22 @@ def hash_of(script):
     return f"'sha256-{base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()}'"
 
 
+def example():
+    """90 s of a recording without disturbance, as they are but for their times; from 45 s on a constant field of 27 uT is added: a magnet."""
+    lines = gzip.open(here.parent / "tests/recordings/broad_01_slow_rotation_A.csv.gz", "rt").read().splitlines()
+    begin_s, seconds, on_s, magnet_ut = 60.0, 90.0, 45.0, (18.0, -12.0, 16.0)
+    rows = [lines[0]]
+    for line in lines[1:]:
+        cells = line.split(",")
+        time_s = float(cells[0]) - begin_s
+        if 0 <= time_s < seconds:
+            field = [f"{float(cell) + (own if time_s >= on_s else 0):.3f}" for cell, own in zip(cells[1:4], magnet_ut)]
+            rows.append(",".join([f"{time_s:.4f}", *field, *cells[4:]]))
+    return gzip.compress("\n".join([*rows, ""]).encode(), 9, mtime=0)
+
+
 parts = {name: (here / "page" / name).read_text() for name in ("page.css", "page.js", "worker.js")}
+parts["example"] = base64.b64encode(example()).decode()
 parts["report.css"] = (lab / "report.css").read_text()
 parts["wasm"] = base64.b64encode(gzip.compress(module.read_bytes(), 9, mtime=0)).decode()
 # the report has a cursor, and shows the sphere: their scripts are the same for every recording

@@ -67,7 +67,7 @@ publishing {
         afterEvaluate { from(components["release"]) }
         pom {
             name.set("magcomp")
-            description.set("Frees a smartphone's magnetometer from the disturbance the phone carries.")
+            description.set("A compass library for phones: it keeps pointing north when a magnet is put on the phone, and says how far off it may be.")
             val home = "https://github.com/OWNER/magcomp"
             url.set(home)
             licenses {

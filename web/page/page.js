@@ -47,7 +47,15 @@ function finish({ opened, calibration, report, readings }, name) {
     const fit = () => { frame.style.height = `${frame.contentDocument.documentElement.scrollHeight}px`; };
     new ResizeObserver(fit).observe(frame.contentDocument.body);
     fit();
+    // what a screen reader is told, and what stands on the screen first
+    const told = (card) => [".verdict", "li"].map((part) => card.querySelector(part)?.textContent.trim().replace(/\.$/, ""));
+    const lines = [...frame.contentDocument.querySelectorAll(".card")].map((card) => told(card).filter(Boolean).join(": "));
+    element("verdict").textContent = lines.map((line) => `${line}.`).join(" ");
+    element("outcome").focus({ preventScroll: true });
+    element("outcome").scrollIntoView();
   };
+  element("whose").textContent = name;
+  element("verdict").textContent = "";
   frame.srcdoc = report;
   show(["choose", "done"]);
 }
@@ -72,38 +80,7 @@ function start(files) {
   worker.postMessage({ wasm: packed("wasm"), files, settings });
 }
 
-// A phone of 90 seconds in a hand that turns it about all its axes: the Earth's field of 48 uT, 65 degrees down, a hard iron, and noise.
-function example() {
-  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-  const dip = 65 * Math.PI / 180, step = 0.02, iron = [30, -20, 40], parts = 10;
-  let up = [0, 0, 9.81], field = [0, 48 * Math.cos(dip), -48 * Math.sin(dip)], draw = 1;
-  const noise = (size) => {
-    let sum = 0;
-    for (let k = 0; k < 4; k += 1) sum += (draw = draw * 16807 % 2147483647) / 2147483647 - 0.5;
-    return size * sum * Math.sqrt(3);
-  };
-  const cells = (vector, size) => vector.map((value) => (value + noise(size)).toFixed(5)).join(",");
-  const lines = ["t_s,mx,my,mz,ax,ay,az,gx,gy,gz"];
-  for (let row = 0; row < 4500; row += 1) {
-    const t = row * step;
-    const rate = [0.9 * Math.sin(0.7 * t), 0.7 * Math.sin(0.45 * t + 1), 0.8 * Math.sin(0.31 * t + 2) + 0.2];
-    lines.push(`${t.toFixed(2)},${cells(field.map((value, k) => value + iron[k]), 0.4)},${cells(up, 0.05)},${cells(rate, 0.003)}`);
-    // a vector that stands still in the world turns the other way in the phone; its length stays
-    const turned = (vector) => {
-      const length = Math.hypot(...vector);
-      for (let part = 0; part < parts; part += 1) {
-        const change = cross(vector, rate);
-        vector = vector.map((value, k) => value + change[k] * step / parts);
-      }
-      return vector.map((value) => value * length / Math.hypot(...vector));
-    };
-    up = turned(up);
-    field = turned(field);
-  }
-  return new File([lines.join("\n") + "\n"], "example.csv");
-}
-
-element("example").addEventListener("click", () => start([example()]));
+element("example").addEventListener("click", () => start([new File([packed("recording")], "magnet-after-45-s.csv.gz")]));
 element("files").addEventListener("change", (event) => {
   start([...event.target.files]);
   event.target.value = "";

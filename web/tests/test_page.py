@@ -141,6 +141,25 @@ def a_session(browser, folder):
     assert "expected LAT,LON" in replayed(browser, folder / name)
 
 
+def the_example(browser, folder):
+    """One click: a magnet comes, and what it came to is on the screen, has the focus and is told to a screen reader."""
+    for width in (1200, 400):
+        browser.open(url, width)
+        browser.run("document.getElementById('example').click()")
+        browser.until("document.getElementById('verdict').textContent !== ''")
+        assert browser.run("document.activeElement.id") == "outcome"
+        assert browser.run("document.getElementById('outcome').getAttribute('role')") == "status"
+        top, high = (browser.run(f"document.getElementById('verdict').getBoundingClientRect().{it}") for it in ("top", "bottom"))
+        assert 0 <= top and high <= browser.run("innerHeight"), f"at {width} pixels the verdict is at {top} to {high}"
+        inside = browser.run("document.getElementById('report').contentDocument.body.textContent")
+        [moment] = re.findall(r"device changed at (\d+\.\d) s", inside)
+        assert 44.5 < float(moment) < 46.5, inside[:400]
+        assert browser.run("document.documentElement.scrollWidth <= innerWidth"), f"{width}: the report is too wide"
+        browser.picture(out / f"example-{width}.png", 1000)
+    links = browser.run("[...document.querySelectorAll('.lead a')].map((link) => link.href)")
+    assert len(links) == 2 and all(link.startswith("https://") for link in links), links
+
+
 def wrong_files(browser, folder):
     browser.open(url)
     empty, picture, text_file, cut, parquet = (folder / n for n in ("empty.csv", "a.png", "notes.txt", "cut.csv.gz", "a.parquet"))
@@ -226,7 +245,7 @@ def main():
     browser = Browser()
     try:
         browser.call("Page.addScriptToEvaluateOnNewDocument", source=KEEP)
-        for test in (a_real_recording, a_session, wrong_files, large_files, pictures):
+        for test in (a_real_recording, a_session, the_example, wrong_files, large_files, pictures):
             print(f"{test.__name__.replace('_', ' ')}", flush=True)
             with tempfile.TemporaryDirectory() as folder:
                 test(browser, pathlib.Path(folder))

@@ -27,6 +27,9 @@ pub struct Time {
     pub until_s: f64,
 }
 
+/// What a reader at the cursor is told: time, s; heading and its two sigmas, degrees; its error, degrees, where there is a reference; status.
+pub type Moment = (f64, Option<f64>, Option<f64>, Option<f64>, &'static str);
+
 #[derive(Clone, Debug)]
 enum Part {
     Html(String),
@@ -86,7 +89,7 @@ impl Part {
 fn with_cursor(image: String, time: Option<Time>) -> String {
     let Some(Time { axis: (from, to), until_s }) = time else { return image };
     format!(
-        "<div class=\"time\" data-from=\"{from:.5}\" data-to=\"{to:.5}\" data-until=\"{until_s:.3}\">{image}<i hidden></i><output hidden></output></div>"
+        "<div class=\"time\" tabindex=\"0\" role=\"group\" aria-label=\"over time; arrow keys move the moment that is told\" data-from=\"{from:.5}\" data-to=\"{to:.5}\" data-until=\"{until_s:.3}\">{image}<i hidden></i><output hidden></output></div>"
     )
 }
 
@@ -190,6 +193,16 @@ impl Report {
         self.body.push(Part::Picture { name: name.to_owned(), svg, caption: escape(caption), time: Some(time) });
     }
 
+    /// What the cursor of the pictures over time tells: of one replay on a page.
+    pub fn moments(&mut self, moments: &[Moment]) {
+        let cell = |value: Option<f64>| value.map_or_else(|| "null".to_owned(), |value| format!("{value:.1}"));
+        let moment = |(s, heading, two_sigma, error, status): &Moment| {
+            format!("[{s:.2},{},{},{},\"{status}\"]", cell(*heading), cell(*two_sigma), cell(*error))
+        };
+        let moments = moments.iter().map(moment).collect::<Vec<_>>().join(",\n");
+        self.html(format!("<script type=\"application/json\" class=\"moments\">[{moments}]</script>\n"));
+    }
+
     /// Adds a page of its own, written as `name`.html beside this one and shown in it.
     pub fn page(&mut self, name: &str, html: String, title: &str) {
         self.body.push(Part::Page { name: name.to_owned(), html, title: escape(title) });
@@ -283,6 +296,8 @@ fn escape(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plot::contrast;
+    use plotters::style::RGBColor;
 
     #[test]
     fn the_command_of_a_page_names_no_folder() {
@@ -290,6 +305,36 @@ mod tests {
             ["/folder/a.csv", "src/report.rs", "--report=/folder/x", "m=uT,a=m/s^2", "--place=-33.9,18.4", "a.csv"];
         let shown = told.map(without_folders);
         assert_eq!(shown, ["a.csv", "report.rs", "--report=x", "m=uT,a=m/s^2", "--place=-33.9,18.4", "a.csv"]);
+    }
+
+    /// What a style sheet says of `name`, light and dark.
+    fn colours(sheet: &str, name: &str) -> [RGBColor; 2] {
+        let found = sheet.split(&format!("--{name}: #")).skip(1).map(|rest| {
+            let part = |k: usize| u8::from_str_radix(&rest[k..k + 2], 16).unwrap();
+            RGBColor(part(0), part(2), part(4))
+        });
+        found.collect::<Vec<_>>().try_into().unwrap_or_else(|_| panic!("--{name} is not told twice"))
+    }
+
+    /// Text stands out 4.5 to 1 from what it stands on, marks 3 to 1 (WCAG 2.2, 1.4.3 and 1.4.11), light and dark; so on the sphere's page.
+    #[test]
+    fn text_and_marks_stand_out() {
+        let pairs = |sheet: &str, marks: &[&str], least: f64, grounds: &[&str]| {
+            for name in marks {
+                for ground in grounds {
+                    for (one, other) in colours(sheet, name).into_iter().zip(colours(sheet, ground)) {
+                        let contrast = contrast(one, other);
+                        assert!(contrast >= least, "{name} on {ground}: {contrast:.2}");
+                    }
+                }
+            }
+        };
+        pairs(STYLE, &["ink", "soft", "accent"], 4.5, &["paper", "card"]);
+        // a button is the accent with the card's colour on it
+        pairs(STYLE, &["card"], 4.5, &["accent"]);
+        pairs(STYLE, &["good", "doubtful", "bad"], 3.0, &["paper", "card"]);
+        pairs(include_str!("replay/sphere.html"), &["ink", "soft"], 4.5, &["paper"]);
+        pairs(include_str!("replay/sphere.html"), &["fixed"], 3.0, &["paper"]);
     }
 
     #[test]
@@ -310,6 +355,10 @@ mod tests {
         report.table(&Table::new("table", &["a", "b"]));
         report.figure("picture", "<svg a=\"#1%\">\n&amp;</svg>".to_owned(), "what it shows");
         assert!(!report.alone("").contains("<script>"));
+        report
+            .moments(&[(0.0, None, None, None, "collecting"), (1.5, Some(359.96), Some(4.0), Some(-0.1), "tracking")]);
+        let told = "<script type=\"application/json\" class=\"moments\">[[0.00,null,null,null,\"collecting\"],\n[1.50,360.0,4.0,-0.1,\"tracking\"]]</script>";
+        assert!(report.alone("").contains(told));
         let time = Time { axis: (0.1, 0.97), until_s: 60.0 };
         report.figure_over_time("course", "<svg></svg>".to_owned(), "over time", time);
         report.page("turned", "<p class=\"a\">&amp;</p>".to_owned(), "turn it");

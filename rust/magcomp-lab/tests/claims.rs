@@ -13,7 +13,7 @@ use magcomp_lab::motion::Motion;
 use magcomp_lab::random::{Purpose, Random};
 use magcomp_lab::score::Runs;
 use serde_json::Value;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -233,7 +233,7 @@ fn agree(what: &str, few: f64, all: f64, least: f64) {
     assert!(near, "{what}: the page says {all}, three runs have {few}");
 }
 
-/// Lines of docs/EVALUATION.md whose medians three other runs must be near, by what they are about.
+/// Lines of docs/data/evaluation.csv whose medians three other runs must be near, by what they are about.
 const SITUATIONS: [&str; 8] = [
     "tumbling, nothing changes",
     "walking, nothing changes",
@@ -245,7 +245,13 @@ const SITUATIONS: [&str; 8] = [
     "tumbling, b steps by 27 uT",
 ];
 
-/// docs/EVALUATION.md is of seeds that judge; the medians of three others agree with it.
+/// The lines of a file of docs/data, each as its cells by the names of its columns.
+fn data(name: &str) -> Vec<HashMap<String, String>> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/data").join(name);
+    csv::Reader::from_path(path).expect(name).deserialize().collect::<Result<_, _>>().expect(name)
+}
+
+/// docs/data/evaluation.csv is of seeds that judge; the medians of three others agree with it.
 #[test]
 fn the_evaluations_lines_are_those_of_the_command() {
     let groups = [Group::Ordinary, Group::Alone].map(Group::variants).concat();
@@ -253,15 +259,19 @@ fn the_evaluations_lines_are_those_of_the_command() {
     let options = EvaluateOptions::of(groups.into_iter().filter(shown).collect(), 1..=3);
     let mut compared = 0;
     for group in &evaluate::run(&options).unwrap().groups {
-        let page = rows("EVALUATION.md", group.title);
+        let data: Vec<_> = data("evaluation.csv").into_iter().filter(|row| row["group"] == group.title).collect();
         for line in &group.variants {
             compared += 1;
-            let row = page.iter().find(|row| row[0] == line.about).expect("a line");
+            let row = data.iter().find(|row| row["situation"] == line.about).expect("a line");
             let median = |runs: Runs| runs.median.unwrap_or(f64::INFINITY);
-            agree(&line.name, median(line.line.settled_s), figure(&row[2]), 1.0);
-            agree(&line.name, median(line.line.heading_deg), figure(&row[4]), 0.2);
+            agree(&line.name, median(line.line.settled_s), figure(&row["settled_median_s"]), 1.0);
+            agree(&line.name, median(line.line.heading_deg), figure(&row["error_median_deg"]), 0.2);
             let [_, two] = line.line.within.expect("headings");
-            assert!((100.0 * two - figure(&row[7])).abs() < 8.0, "{}: {two} within two sigmas", line.name);
+            assert!(
+                (100.0 * two - figure(&row["within_2_sigma_percent"])).abs() < 8.0,
+                "{}: {two} within two sigmas",
+                line.name
+            );
         }
     }
     assert_eq!(compared, 11);
@@ -288,56 +298,94 @@ fn the_seconds_after_a_change_are_those_of_the_command() {
     assert_eq!(rows.len(), 2);
 }
 
-/// docs/COMPARISON.md has the tables that the command prints of the recordings that are here, to a last digit.
+/// docs/data/comparison.csv has what the command prints of the recordings that are here, to a last digit.
 #[test]
 fn the_comparison_is_that_of_the_command() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let page = fs::read_to_string(root.join("docs/COMPARISON.md")).expect("docs/COMPARISON.md");
-    let page =
-        page.split("## A sensor with magnets").nth(1).and_then(|rest| rest.split("## Phones").next()).expect("it");
-    let arguments = ["compare", "--recordings", "tests/recordings", "--markdown"];
-    let printed = Command::cargo_bin("magcomp").unwrap().args(arguments).current_dir(root).output().unwrap();
-    let printed = String::from_utf8(printed.stdout).expect("text");
-    let rows = |text: &str| -> Vec<Vec<String>> {
-        let rows = text.lines().filter(|line| line.starts_with("| "));
-        rows.map(|row| row.split(['|', '/']).map(|cell| cell.trim().to_owned()).collect()).collect()
-    };
-    let (shown, found) = (rows(page), rows(&printed));
+    let arguments = ["compare", "--recordings", "tests/recordings", "--csv"];
+    let printed = Command::cargo_bin("magcomp").unwrap().args(arguments).current_dir(root).output().unwrap().stdout;
+    let found: Vec<HashMap<String, String>> =
+        csv::Reader::from_reader(printed.as_slice()).deserialize().collect::<Result<_, _>>().expect("lines");
+    let shown: Vec<_> =
+        data("comparison.csv").into_iter().filter(|row| row["recording"].starts_with("broad_")).collect();
     assert_eq!(shown.len(), found.len());
     for (shown, found) in shown.iter().zip(&found) {
-        assert_eq!(shown.len(), found.len(), "{shown:?} {found:?}");
-        for (shown, found) in shown.iter().zip(found) {
-            let is_near = |shown: f64, found: f64| (shown - found).abs() < 0.11;
-            let bare = |cell: &str| cell.trim_matches('*').parse().ok(); // the best is marked
-            let both = bare(shown).zip(bare(found));
-            assert!(
-                both.map_or(shown == found, |(shown, found)| is_near(shown, found)),
-                "{shown} is shown, {found} found"
-            );
+        for (column, cell) in found {
+            let both = shown[column].parse::<f64>().ok().zip(cell.parse::<f64>().ok());
+            let is_same = both.map_or(shown[column] == *cell, |(shown, found)| (shown - found).abs() < 0.11);
+            assert!(is_same, "{column}: {shown:?} is shown, {found:?} found");
         }
     }
-    assert!(found.len() > 20, "{printed}");
+    assert!(found.len() > 70, "{}", found.len());
 }
 
-/// Every link of a page to another file leads to one.
+/// One sentence says what magcomp is, wherever somebody meets it first.
+#[test]
+fn one_sentence_says_what_magcomp_is() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let sentence = "a compass library for phones: it keeps pointing north when a magnet is put on the phone, and says how far off it may be";
+    let pages = [
+        "README.md",
+        "rust/magcomp/README.md",
+        "rust/magcomp/Cargo.toml",
+        "rust/magcomp/src/lib.rs",
+        "python/pyproject.toml",
+        "android/library/build.gradle.kts",
+        "web/page/page.html",
+    ];
+    let texts = pages.map(|page| (page, fs::read_to_string(root.join(page)).expect(page)));
+    let help = Command::cargo_bin("magcomp").unwrap().arg("--help").output().unwrap().stdout;
+    let help = ("--help", String::from_utf8(help).expect("text"));
+    for (page, text) in texts.into_iter().chain([help]) {
+        let words = text.split_whitespace().collect::<Vec<_>>().join(" ").to_lowercase();
+        assert!(words.contains(sentence), "{page} does not say it");
+    }
+}
+
+/// The anchors of a page's headings, as the sites that show them make them of the words.
+fn anchors(text: &str) -> Vec<String> {
+    let mut is_code = false;
+    let headings = text.lines().filter(|line| {
+        is_code ^= line.trim_start().starts_with("```");
+        !is_code && line.starts_with('#')
+    });
+    let anchor = |line: &str| {
+        let words = line.trim_start_matches('#').trim().to_lowercase();
+        let kept = words.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c));
+        kept.map(|c| if c == ' ' { '-' } else { c }).collect::<String>()
+    };
+    headings.map(anchor).collect()
+}
+
+/// Every link of a page leads to a file that there is, and to a heading of it where it names one.
 #[test]
 fn the_pages_link_to_what_there_is() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let pages = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "ROADMAP.md", "SECURITY.md"];
-    let mut found: Vec<_> = pages.map(|page| root.join(page)).into();
-    ["docs", "android", "benchmarks", "ios", "c", "python"]
-        .iter()
-        .for_each(|folder| paths(&root.join(folder), &mut found));
-    let mut links = 0;
+    let mut found = Vec::new();
+    paths(&root, &mut found);
+    let (mut links, mut to_headings) = (0, 0);
     for page in found.iter().filter(|path| path.extension().is_some_and(|extension| extension == "md")) {
         let text = fs::read_to_string(page).expect("a page");
         for link in text.split("](").skip(1).filter_map(|rest| rest.split([')', ' ']).next()) {
-            let file = link.split('#').next().unwrap_or_default();
-            if !file.is_empty() && !file.contains(':') {
-                links += 1;
-                assert!(page.parent().unwrap().join(file).exists(), "{}: there is no {file}", page.display());
+            let (file, heading) = link.split_once('#').unwrap_or((link, ""));
+            if file.contains(':') {
+                continue;
+            }
+            let to = if file.is_empty() { page.clone() } else { page.parent().unwrap().join(file) };
+            assert!(to.exists(), "{}: there is no {file}", page.display());
+            links += 1;
+            if !heading.is_empty() && to.extension().is_some_and(|extension| extension == "md") {
+                to_headings += 1;
+                let known = anchors(&fs::read_to_string(&to).expect("a page"));
+                assert!(known.iter().any(|it| it == heading), "{}: {file} has no heading {heading}", page.display());
             }
         }
     }
-    assert!(links > 60, "{links} links");
+    assert!(links > 100 && to_headings > 10, "{links} links, {to_headings} to headings");
+}
+
+#[test]
+fn a_heading_becomes_an_anchor() {
+    let text = "# A & B: `kept.rs`, x_1\n```sh\n# a comment\n```\n## No-go\n";
+    assert_eq!(anchors(text), ["a--b-keptrs-x_1", "no-go"]);
 }

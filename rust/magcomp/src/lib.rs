@@ -1,4 +1,4 @@
-//! A compass library: it keeps a phone's heading right when magnets on the phone would spoil it, and says how far off it may be.
+//! A compass library for phones: it keeps pointing north when a magnet is put on the phone, and says how far off it may be.
 //!
 //! A raw magnetometer reads h_m = M h + b: the Earth's field h, squeezed by soft iron M and shifted by hard iron b.
 //! [`Compensator`] re-estimates M and b from the stream of raw samples and returns for each a [`Reading`]: the corrected

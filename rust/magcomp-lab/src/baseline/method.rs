@@ -26,6 +26,11 @@ pub trait Baseline {
         self.correct(raw_ut)
     }
 
+    /// One standard deviation of the latest heading, degrees, where the method tells one.
+    fn sigma_deg(&self) -> Option<f64> {
+        None
+    }
+
     /// Its M, b and field strength, where it has such.
     fn calibration(&self) -> Option<Calibration> {
         None

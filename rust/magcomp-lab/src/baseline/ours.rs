@@ -13,6 +13,7 @@ pub struct Ours {
     field_ut: Option<Vector3<f64>>,
     /// Magnetic north in the device, by the published attitude.
     north: Option<Vector3<f64>>,
+    sigma_deg: Option<f64>,
     gives_attitude: bool,
 }
 
@@ -21,7 +22,7 @@ impl Ours {
     pub fn new(config: Config) -> Result<Self, ConfigError> {
         let compensator = Compensator::new(config)?;
         let calibration = compensator.calibration();
-        Ok(Self { compensator, calibration, field_ut: None, north: None, gives_attitude: false })
+        Ok(Self { compensator, calibration, field_ut: None, north: None, sigma_deg: None, gives_attitude: false })
     }
 
     /// Judged by the attitude that it publishes.
@@ -43,6 +44,7 @@ impl Baseline for Ours {
         let reading = self.compensator.push(*sample);
         self.calibration = self.compensator.calibration();
         self.field_ut = reading.field_ut;
+        self.sigma_deg = reading.heading.and_then(|heading| heading.heading_sigma_deg);
         self.north = reading.attitude.map(|attitude| attitude.to_world.inverse() * Vector3::y());
     }
 
@@ -52,6 +54,10 @@ impl Baseline for Ours {
 
     fn latest(&self, _: &Vector3<f64>) -> Option<Vector3<f64>> {
         if self.gives_attitude { self.north } else { self.field_ut }
+    }
+
+    fn sigma_deg(&self) -> Option<f64> {
+        self.sigma_deg
     }
 
     fn calibration(&self) -> Option<Calibration> {

@@ -41,9 +41,12 @@ pub(super) struct Compare {
     /// Signal-to-noise ratio of a scenario, dB; 30, or 40 for the phones, when not given
     #[arg(long, value_parser = finite)]
     snr: Option<f64>,
-    /// Scenarios: print the overview alone, as markdown; a folder: print its tables as markdown
-    #[arg(long, conflicts_with_all = ["recordings", "json"])]
+    /// Scenarios: print the overview alone, as markdown
+    #[arg(long, conflicts_with_all = ["recordings", "folder", "json"])]
     markdown: bool,
+    /// A folder: print a line of CSV for each recording and method instead of tables: docs/data/comparison.csv
+    #[arg(long, requires = "folder", conflicts_with = "json")]
+    csv: bool,
     /// Instead of scenarios: the recordings of a folder that have a reference orientation, beside VQF, the system's own field and others
     ///
     /// The recordings are those that `evaluate --recordings` takes; NAME_oscal beside NAME_uncal gives the operating system's field.
@@ -51,8 +54,9 @@ pub(super) struct Compare {
     folder: Option<PathBuf>,
     /// Groups of the recordings, as of `evaluate --index`
     ///
-    /// Two more columns may be there. magnet_s: from when to when a magnet sat on the sensor, as 45.1-99.8. calibration: the name of a
-    /// recording of the same device and day in a constant field, of which a calibration is made beforehand for the methods that need one.
+    /// More columns may be there. magnet_s: from when to when a magnet sat on the sensor, as 45.1-99.8. calibration: the name of a
+    /// recording of the same device and day in a constant field, of which a calibration is made beforehand for the methods that need one. judged_s: headings
+    /// are judged from this second after the first row on, by the constant angle of the rows before.
     #[arg(long, value_name = "CSV", requires = "folder")]
     index: Option<PathBuf>,
     /// A program of your own beside the methods: a folder with its answers to each recording (benchmarks/README.md)
@@ -111,15 +115,16 @@ impl Compare {
         refuse_outputs(&inputs, &[], self.common.report.as_deref())?;
         let comparison = compare_folder(folder, self.index.as_deref(), &self.entry, cores())?;
         warn(&comparison.warnings);
-        let tables = comparison.tables();
-        if self.markdown {
-            tables.iter().try_for_each(|table| writeln!(std::io::stdout(), "{}", table.markdown()))?;
-            return Ok(());
-        }
-        self.common.finish(&tables, &comparison, || {
+        let report = || {
             Report::new("Methods side by side on recordings", "Each on the same samples, causal.")
                 .with(|report| comparison.add_to(report))
-        })
+        };
+        if self.csv {
+            write!(std::io::stdout(), "{}", comparison.csv())?;
+            self.common.report.as_deref().map(|folder| report()?.write(folder)).transpose()?;
+            return Ok(());
+        }
+        self.common.finish(&comparison.tables(), &comparison, report)
     }
 
     fn methods(&self) -> Vec<Contestant> {

@@ -47,20 +47,20 @@ pub(super) struct Evaluate {
     /// Print the names of the variants and run nothing
     #[arg(long)]
     list: bool,
-    /// Print the page docs/EVALUATION.md: the meaning of the columns, the tables, a list of the bad lines
+    /// Print a line of CSV for each variant instead of a table: docs/data/evaluation.csv
     #[arg(long, conflicts_with = "json")]
-    markdown: bool,
+    csv: bool,
     /// Instead of simulated phones: judge the recordings of a folder that have a reference orientation
     ///
     /// Each .csv or .csv.gz with the columns of `magcomp replay`, qw,qx,qy,qz among them, goes through the default config. Other files are
     /// passed over, and so is NAME_oscal beside NAME_uncal. Rows: a recording, then a group.
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["group", "variant", "method", "threads", "list", "markdown"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["group", "variant", "method", "threads", "list", "csv"])]
     recordings: Option<PathBuf>,
     /// Put magnets on the recordings, those of tests/recordings when none are named: arithmetic, not a real magnet
     ///
     /// A hard iron of 8 to 300 uT is added to the raw samples in the middle of each recording, at once, slid on, with soft iron, taken off again.
     /// Rows: a group and a magnet. Recordings on which a magnet sits already (magnet_s in the index) are left out.
-    #[arg(long, conflicts_with_all = ["group", "variant", "method", "threads", "list", "markdown", "judge"])]
+    #[arg(long, conflicts_with_all = ["group", "variant", "method", "threads", "list", "csv", "judge"])]
     magnets: bool,
     /// Groups of the recordings: CSV with the columns recording,group[,declination_deg]; DIR/INDEX.csv when not given
     ///
@@ -100,17 +100,19 @@ impl Evaluate {
             ignore: self.ignore(),
             threads: self.threads.unwrap_or_else(cores),
         })?;
-        if self.markdown {
-            write!(std::io::stdout(), "{}", result.markdown())?;
-            return Ok(());
-        }
-        common.finish(&result.told(), &result, || {
+        let report = || {
             Report::new(
                 "Evaluation",
                 "Published headings of simulated phones with the default config, against the truth.",
             )
             .with(|report| result.add_to(report))
-        })
+        };
+        if self.csv {
+            write!(std::io::stdout(), "{}", result.csv())?;
+            common.report.as_deref().map(|folder| report()?.write(folder)).transpose()?;
+            return Ok(());
+        }
+        common.finish(&result.told(), &result, report)
     }
 
     fn ignore(&self) -> Ignore {

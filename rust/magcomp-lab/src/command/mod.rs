@@ -17,7 +17,9 @@ use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 use std::io::{self, Write};
 
-/// Frees a smartphone magnetometer from the phone's own disturbance: replays recordings, runs the paper's experiments.
+/// A compass library for phones: it keeps pointing north when a magnet is put on the phone, and says how far off it may be.
+///
+/// This command plays recordings through it, checks and judges them, and sets it beside other methods.
 #[derive(Debug, Parser)]
 #[command(
     name = "magcomp",

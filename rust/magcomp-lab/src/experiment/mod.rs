@@ -10,6 +10,7 @@ mod evaluate_view;
 pub(crate) mod follow;
 mod follow_view;
 pub mod nees;
+pub(crate) mod put_on;
 pub mod step;
 mod step_course;
 mod step_score;

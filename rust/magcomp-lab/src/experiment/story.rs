@@ -1,82 +1,89 @@
-//! One recording as a story: what each method makes of a magnet that is put on a sensor and taken off again.
+//! One recording as a story: what each method makes of a magnet.
 
-use super::compare_recording::compare_rows;
-use crate::baseline::Contestant;
+use super::compare_recording::{FIELD_UT, NOISE_UT, push_inertial};
+use super::put_on::{Course, Drawn, Heading, HeadingJudge, middle_s, picture, with_magnet};
+use crate::baseline::{Contestant, Known};
 use crate::error::LabError;
-use crate::plot::{Colour, Layers, Panel, Series, draw};
-use crate::replay::HeadingError;
+use crate::plot::Colour;
+use magcomp::MagneticSample;
 use magcomp_recordings::recording::Recording;
 use serde::Serialize;
-use std::ops::Range;
 
-/// The methods, their names, and the colours of those that are drawn.
-const TOLD: [(Contestant, &str, Option<Colour>); 5] = [
-    (Contestant::None, "raw field", Some(Colour::Grey)),
-    (Contestant::PaperHalfRange, "the paper's method", Some(Colour::Orange)),
-    (Contestant::VqfRaw, "VQF on the raw field", None),
-    (Contestant::Adaptive, "magcomp, magnetometer alone: corrected sample", None),
-    (Contestant::Aided, "magcomp: heading", Some(Colour::Ink)),
+/// The methods with their one free number, their names, and the colours of those that are drawn.
+const TOLD: [(Contestant, f64, &str, Option<Colour>); 5] = [
+    (Contestant::None, 0.0, "raw field", Some(Colour::Grey)),
+    (Contestant::PaperHalfRange, 0.5, "the paper's method", None),
+    (Contestant::Adaptive, 0.0, "magcomp, magnetometer alone: corrected sample", None),
+    (Contestant::VqfRaw, 9.0, "VQF on the raw field", Some(Colour::Orange)),
+    (Contestant::Aided, 0.0, "magcomp: heading", Some(Colour::Blue)),
 ];
-/// Largest error shown, degrees: more is drawn there.
-const SHOWN_DEG: f64 = 60.0;
-/// Size of the picture, pixels: README shows it 1.3 times as large, with letters of 12 pixels.
-const SIZE: (u32, u32) = (640, 260);
 
 /// What a method's heading came to.
 #[derive(Clone, Debug, Serialize)]
 pub struct Told {
     pub method: &'static str,
-    /// Share of the rows with an answer, 0 to 1.
-    pub answered: f64,
-    pub heading: Option<HeadingError>,
+    #[serde(flatten)]
+    pub heading: Option<Heading>,
     #[serde(skip)]
     colour: Option<Colour>,
     #[serde(skip)]
-    course_deg: Vec<(f64, f64)>,
+    course: Course,
 }
 
 /// All methods on a recording, in the order of the tables.
 #[derive(Clone, Debug, Serialize)]
 pub struct Story {
     pub recording: String,
-    /// The raw field first, then the paper's method; magcomp's heading is the last.
+    /// Second after the first row from which on a magnet was added by arithmetic, and from which on headings are judged.
+    pub magnet_s: Option<f64>,
+    /// The raw field first; magcomp's heading is the last.
     pub methods: Vec<Told>,
 }
 
 impl Story {
-    pub fn of(recording: &Recording) -> Result<Self, LabError> {
-        let contestants = TOLD.map(|(contestant, ..)| contestant);
-        let scores = compare_rows(&recording.extent(), recording.rows.iter().cloned().map(Ok), &contestants, 0)?;
-        let told = |(contestant, method, colour): &(Contestant, &'static str, Option<Colour>)| {
-            let score = scores.iter().find(|score| score.name == contestant.name())?;
-            let course_deg = score.course_deg.clone();
-            let (answered, heading) = (score.vectors.answered, score.vectors.heading);
-            Some(Told { method, answered, heading, colour: *colour, course_deg })
+    /// Of a recording as it is, or with a magnet put on in its middle.
+    pub fn of(recording: &Recording, puts_on: bool) -> Result<Self, LabError> {
+        let extent = recording.extent();
+        let on_s = puts_on.then(|| middle_s(&extent));
+        let known = Known {
+            seed: 0,
+            noise_ut: NOISE_UT,
+            field_ut: FIELD_UT,
+            parameters: None,
+            initial: None,
+            reference: false,
         };
-        Ok(Self { recording: recording.name(), methods: TOLD.iter().filter_map(told).collect() })
+        let mut methods = Vec::new();
+        for (contestant, value, method, colour) in TOLD {
+            let Some(mut running) = contestant.make(value, &known)? else { continue };
+            let mut judge = HeadingJudge::new(&extent, on_s);
+            for row in recording.rows.iter().cloned().map(|row| with_magnet(row, on_s.unwrap_or(f64::INFINITY))) {
+                if contestant.is_aided() {
+                    push_inertial(running.as_mut(), &row);
+                }
+                running.push(&MagneticSample { time_ns: row.time_ns, field_ut: row.field_ut });
+                judge.add(&row, running.latest(&row.field_ut).as_ref(), running.sigma_deg());
+            }
+            methods.push(Told { method, heading: judge.heading(0.0), colour, course: judge.course() });
+        }
+        Ok(Self { recording: recording.name(), magnet_s: on_s.map(|on_s| on_s - extent.start_s), methods })
     }
 
-    /// Rms heading errors up to one constant, degrees, of the methods that are drawn: raw, the paper's, magcomp's.
-    pub fn drawn_deg(&self) -> [f64; 3] {
-        let mut drawn = self.methods.iter().filter(|told| told.colour.is_some()).map(Told::rms_deg);
-        [(); 3].map(|()| drawn.next().unwrap_or(f64::NAN))
+    /// Rms heading error of a method, degrees.
+    pub fn rms_deg(&self, method: &str) -> f64 {
+        self.methods.iter().find(|told| told.method == method).map_or(f64::NAN, Told::rms_deg)
     }
 
-    /// The heading error over time; a magnet sat there from when to when, s after the first row.
-    pub fn picture(&self, magnet_s: &Range<f64>) -> Result<String, LabError> {
-        let series = self.methods.iter().filter_map(|told| {
+    /// The heading error over time.
+    pub fn picture(&self, happened: &[(f64, &str)]) -> Result<String, LabError> {
+        let line = |told: &'_ Told| -> Option<(String, Colour)> {
             let digits = usize::from(told.rms_deg() < 10.0);
-            let name = format!("{} {:.digits$}", told.method, told.rms_deg());
-            Some(Series::new(&name, told.colour?, told.course_deg.iter().map(|(s, error)| (*s, error.min(SHOWN_DEG)))))
-        });
-        let names = [(magnet_s.start, "a magnet is put on"), (magnet_s.end, "and taken off")];
-        let panel = Panel {
-            // room below for a line near 0
-            y_range: Some((-3.0, SHOWN_DEG * 1.15)),
-            layers: Layers { marks: names.map(|(at_s, name)| (at_s, name.to_owned())).to_vec(), ..Layers::default() },
-            ..Panel::new("", "s", "heading error, deg", series)
+            Some((format!("{} {:.digits$}", told.method, told.rms_deg()), told.colour?))
         };
-        draw(&[panel], 1, SIZE)
+        let drawn: Vec<Drawn<'_>> = (self.methods.iter())
+            .filter_map(|told| line(told).map(|(name, colour)| Drawn { name, colour, course: &told.course }))
+            .collect();
+        picture(&drawn, happened)
     }
 }
 

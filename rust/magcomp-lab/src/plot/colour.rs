@@ -11,7 +11,7 @@ pub(super) const PAPER: RGBColor = RGBColor(0xff, 0xff, 0xff);
 /// Ink, mesh and paper, and their colours on dark pages, in CSS.
 pub(super) const DARK: [(&str, &str); 3] = [("#22262B", "#e4e7eb"), ("#DDE1E6", "#343a42"), ("#FFFFFF", "#181b20")];
 
-const AXES: [u32; 3] = [0x008e_24aa, 0x00e6_4a19, 0x006d_4c41];
+const AXES: [u32; 3] = [0x0080_40f0, 0x00b0_5010, 0x0070_90e0];
 const STATUSES: [u32; 6] = [0x00a2_57c9, 0x009c_1c1c, 0x00e8_930c, 0x001f_9e6e, 0x006c_c5f0, 0x00f0_e07a];
 
 /// Colours of series, legible on light and dark.
@@ -54,7 +54,7 @@ impl Colour {
             Self::Axes(axis) => of(AXES[axis % AXES.len()]),
             Self::Status(lane) => of(STATUSES[lane % STATUSES.len()]),
             Self::Blue => RGBColor(0x2f, 0x7f, 0xd6),
-            Self::Orange => RGBColor(0xe0, 0x7a, 0x2c),
+            Self::Orange => RGBColor(0xd9, 0x74, 0x24),
             Self::Green => RGBColor(0x2c, 0x9c, 0x69),
             Self::Purple => RGBColor(0x95, 0x68, 0xcf),
             Self::Grey => RGBColor(0x88, 0x8f, 0x99),
@@ -74,6 +74,20 @@ pub(crate) fn with_dark_style(svg: &str) -> String {
         Some(end) => format!("{}{style}{}", &svg[..=end], &svg[end + 1..]),
         None => svg.to_owned(),
     }
+}
+
+/// How far two colours stand out from one another, 1 to 21 (WCAG 2.2, relative luminance).
+#[cfg(test)]
+pub(crate) fn contrast(one: RGBColor, other: RGBColor) -> f64 {
+    let luminance = |RGBColor(red, green, blue): RGBColor| {
+        let linear = [red, green, blue].map(|value| {
+            let c = f64::from(value) / 255.0;
+            if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+        });
+        0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2] + 0.05
+    };
+    let (a, b) = (luminance(one), luminance(other));
+    a.max(b) / a.min(b)
 }
 
 #[cfg(test)]
@@ -121,6 +135,30 @@ mod tests {
             }
         }
         least
+    }
+
+    /// Lines of series are told from the paper, light and dark: 3 to 1, as marks want it (WCAG 2.2, 1.4.11); text and axes 4.5 to 1. Spans of
+    /// the status strip have the outline of the ink.
+    #[test]
+    fn lines_and_text_stand_out_from_the_paper() {
+        let of = |hex: &str| {
+            let part = |k: usize| u8::from_str_radix(&hex[k..k + 2], 16).unwrap();
+            RGBColor(part(1), part(3), part(5))
+        };
+        let axes = [0, 1, 2].map(Colour::Axes);
+        let named =
+            [Colour::System, Colour::Blue, Colour::Orange, Colour::Green, Colour::Purple, Colour::Grey, Colour::Red];
+        for colour in axes.into_iter().chain(named) {
+            for paper in [DARK[2].0, DARK[2].1] {
+                let contrast = contrast(colour.rgb(), of(paper));
+                assert!(contrast >= 3.0, "{colour:?} on {paper}: {contrast}");
+            }
+        }
+        for (ink, paper) in [(DARK[0].0, DARK[2].0), (DARK[0].1, DARK[2].1)] {
+            assert!(contrast(of(ink), of(paper)) >= 4.5, "{ink} on {paper}");
+        }
+        let [black, white] = [RGBColor(0, 0, 0), RGBColor(255, 255, 255)];
+        assert!((contrast(black, white) - 21.0).abs() < 1e-9 && (contrast(white, white) - 1.0).abs() < 1e-9);
     }
 
     #[test]

@@ -71,24 +71,72 @@ impl Layers {
         for span in &self.spans {
             let corners = [(span.from, span.lane as f64 - HALF_LANE), (span.to, span.lane as f64 + HALF_LANE)];
             chart.draw_series([Rectangle::new(corners, span.colour.rgb().filled())])?;
+            // pale colours stand out by their outline
+            chart.draw_series([Rectangle::new(corners, INK.stroke_width(1))])?;
         }
-        // where the latest name in each row ends: names that would run into each other go below
-        let mut ends: Vec<f64> = Vec::new();
         let (x_range, pixels) = (chart.x_range(), chart.plotting_area().dim_in_pixel());
         let per_pixel = (x_range.end - x_range.start) / f64::from(pixels.0.max(1));
-        for (x, name) in &self.marks {
+        for (x, _) in &self.marks {
             chart.draw_series([PathElement::new(vec![(*x, low), (*x, high)], INK.stroke_width(1))])?;
-            if name.is_empty() {
-                continue;
-            }
-            let end = x + name.chars().count() as f64 * CHARACTER * per_pixel;
-            let row = ends.iter().position(|before| before < x).unwrap_or(ends.len());
-            ends.resize(ends.len().max(row + 1), end);
-            ends[row] = end;
+        }
+        for (x, row, name) in places(&self.marks, per_pixel, x_range.end) {
             let y = high - row as f64 * f64::from(NAME) * (high - low) / f64::from(pixels.1.max(1));
             let text = ("sans-serif", 12).into_font().color(&INK);
-            chart.draw_series([Text::new(format!(" {name}"), (*x, y), text)])?;
+            chart.draw_series([Text::new(format!(" {name}"), (x, y), text)])?;
         }
         Ok(())
+    }
+}
+
+/// Where the names of the marks stand: x, row from the top, and the name. Marks of one name that would stand within another's name are told
+/// once, with how many they are; other names that would run into each other go below, and none runs out of the picture.
+fn places(marks: &[(f64, String)], per_pixel: f64, end: f64) -> Vec<(f64, usize, String)> {
+    let width = |name: &str| (name.chars().count() + 1) as f64 * CHARACTER * per_pixel;
+    let counted = |name: &str, count: usize| if count > 1 { format!("{name} ({count})") } else { name.to_owned() };
+    let mut groups: Vec<(f64, &str, usize)> = Vec::new();
+    for (x, name) in marks.iter().filter(|(_, name)| !name.is_empty()) {
+        let near = |(from, own, count): &&mut (f64, &str, usize)| {
+            own == name && *x <= *from + width(&counted(own, *count + 1))
+        };
+        match groups.iter_mut().rev().find(near) {
+            Some((_, _, count)) => *count += 1,
+            None => groups.push((*x, name, 1)),
+        }
+    }
+    // where the latest name in each row ends
+    let mut ends: Vec<f64> = Vec::new();
+    let place = |(x, name, count): (f64, &str, usize)| {
+        let name = counted(name, count);
+        let x = x.min(end - width(&name));
+        let row = ends.iter().position(|before| *before < x).unwrap_or(ends.len());
+        ends.resize(ends.len().max(row + 1), f64::NEG_INFINITY);
+        ends[row] = x + width(&name);
+        (x, row, name)
+    };
+    groups.into_iter().map(place).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_marks_do_not_run_into_each_other_nor_out_of_the_picture() {
+        let marks = [1.0, 2.0, 3.0, 3.5, 60.0, 99.0].map(|x| (x, "DeviceStep".to_owned()));
+        let mut marks: Vec<_> =
+            marks.into_iter().chain([(2.5, "PlaceChanged".to_owned()), (50.0, String::new())]).collect();
+        marks.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let per_pixel = 100.0 / 600.0;
+        let placed = places(&marks, per_pixel, 100.0);
+        let names: Vec<&str> = placed.iter().map(|(.., name)| name.as_str()).collect();
+        assert_eq!(names, ["DeviceStep (4)", "PlaceChanged", "DeviceStep", "DeviceStep"]);
+        assert_eq!(placed.iter().map(|(_, row, _)| *row).collect::<Vec<_>>(), [0, 1, 0, 0]);
+        let end = |(x, _, name): &(f64, usize, String)| x + (name.len() + 1) as f64 * CHARACTER * per_pixel;
+        for (k, one) in placed.iter().enumerate() {
+            assert!(end(one) <= 100.0 + 1e-9, "{one:?}");
+            for other in placed[..k].iter().filter(|other| other.1 == one.1) {
+                assert!(end(other) <= one.0, "{other:?} runs into {one:?}");
+            }
+        }
     }
 }

@@ -7,6 +7,8 @@ mod layers;
 mod thin;
 
 pub use colour::Colour;
+#[cfg(test)]
+pub(crate) use colour::contrast;
 pub(crate) use colour::with_dark_style;
 pub use dots::{DotRow, Dots};
 pub use layers::{Band, Layers, Span};

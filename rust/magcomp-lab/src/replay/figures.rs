@@ -8,7 +8,7 @@ use super::sphere::Sphere;
 use super::told::Mark;
 use crate::error::LabError;
 use crate::plot::{Band, Colour, Thin};
-use crate::report::Report;
+use crate::report::{Moment, Report};
 use crate::statistics::Sizes;
 use magcomp::nalgebra::Vector3;
 use magcomp::{Calibration, Explanation};
@@ -58,6 +58,8 @@ pub struct Figures {
     pub(super) lanes: [Vec<(f64, f64)>; LANES.len()],
     /// The lane of the latest row.
     lane: Option<usize>,
+    /// For the cursor: time, s; heading and its two sigmas, degrees; where north was by the reference, degrees; status.
+    pub(super) moments: Vec<Moment>,
     /// What a tester noted: s after the first row, and its name.
     pub(super) noted: Vec<(f64, String)>,
 }
@@ -102,6 +104,11 @@ impl ErrorLine {
         }
         let turned = |azimuth_deg: f64| near.map_or(azimuth_deg, |near| near + off_deg(azimuth_deg, near));
         self.line.add(time_s, azimuth_deg.map_or(f64::NAN, turned));
+    }
+
+    /// Their median, degrees.
+    pub fn centre_deg(&self) -> f64 {
+        self.azimuths.centre_deg()
     }
 
     pub fn points(self) -> Vec<(f64, f64)> {
@@ -159,6 +166,11 @@ impl Figures {
         // the heading's line runs within the noise of the samples: one point a pixel is enough
         let sampled = self.rows.is_multiple_of(self.extent.rows.div_ceil(PIXELS).max(1));
         if sampled {
+            let label = reading.status.label();
+            let status = LANES.iter().map(|(name, _)| *name).find(|name| *name == label).unwrap_or_default();
+            let heading_deg = reading.heading.map(|heading| heading.heading_deg);
+            let north_deg = azimuth(reading.filtered_field_ut.or(reading.field_ut));
+            self.moments.push((time_s, heading_deg, two_sigma, north_deg, status));
             let sigma = two_sigma.unwrap_or(f64::NAN);
             self.band.push((time_s, -sigma, sigma));
             let heading_deg = reading.heading.map_or(f64::NAN, |heading| heading.heading_deg);

@@ -1,5 +1,6 @@
 //! The pictures of a replay, drawn: heading and status over time, then the sphere, then why, one panel below the other.
 
+use super::circle::off_deg;
 use super::figures::{Figures, Inside, LANES};
 use super::sphere_view::show;
 use crate::error::LabError;
@@ -19,6 +20,12 @@ const SIZE: (u32, u32) = (660, 170);
 impl Figures {
     /// Adds the pictures to a report; `recording` is the recording's name.
     pub fn finish(self, report: &mut Report, name: &str, recording: &str) -> Result<(), LabError> {
+        let mut moments = self.moments;
+        let centre_deg = self.heading_error.centre_deg();
+        for (_, _, _, north_deg, _) in &mut moments {
+            *north_deg = north_deg.map(|deg| off_deg(deg, centre_deg));
+        }
+        report.moments(&moments);
         let fine = self.extent.rows > FINE;
         let series = |name: &str, colour, points| Series { fine, ..Series::new(name, colour, points) };
         let usual = self.total_field.at(980);

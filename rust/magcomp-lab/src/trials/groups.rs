@@ -1,5 +1,5 @@
 //! Which group a recording belongs to, and how far magnetic north is from its reference's: an index, CSV with the columns
-//! recording,group[,declination_deg][,magnet_s][,calibration]. `recording` is a name or a pattern with * and ?; the first line that fits a recording counts.
+//! recording,group[,declination_deg][,magnet_s][,calibration][,judged_s]. `recording` is a name or a pattern with * and ?; the first line that fits a recording counts.
 
 use crate::beside::read_table;
 use crate::error::LabError;
@@ -24,6 +24,8 @@ struct Line {
     magnet_s: Option<String>,
     #[serde(default)]
     calibration: Option<String>,
+    #[serde(default)]
+    judged_s: Option<f64>,
 }
 
 /// What an index says of the recordings that fit a pattern.
@@ -37,6 +39,8 @@ pub(super) struct Rule {
     pub magnet_s: Option<(f64, f64)>,
     /// The recording of the same device and day whose field is constant: what a calibration is made of beforehand.
     pub calibration: Option<String>,
+    /// Headings are judged from this second after the first row on, by the constant angle of the rows before.
+    pub judged_s: Option<f64>,
 }
 
 /// The lines of an index, in order.
@@ -55,14 +59,19 @@ impl Groups {
         let Some(path) = index.map(Path::to_owned).or_else(|| own.is_file().then_some(own)) else {
             return Ok(Self { path: None, rules: Vec::new(), rest: rest(ALL) });
         };
-        let lines: Vec<Line> =
-            read_table(&path, "an index with the columns recording,group[,declination_deg][,magnet_s][,calibration]")?;
+        let lines: Vec<Line> = read_table(
+            &path,
+            "an index with the columns recording,group[,declination_deg][,magnet_s][,calibration][,judged_s]",
+        )?;
         let rule = |(k, line): (usize, Line)| {
             let wrong = |expected: &str, found: String| RecordingError::Form {
                 place: Place { path: path.clone(), line: k as u64 + 2, column: None },
                 expected: expected.to_owned(),
                 found,
             };
+            if let Some(judged_s) = line.judged_s.filter(|judged_s| !(judged_s.is_finite() && *judged_s > 0.0)) {
+                return Err(wrong("from which second on headings are judged, above 0", judged_s.to_string()));
+            }
             let pattern = Pattern::new(line.recording.trim());
             let pattern =
                 pattern.map_err(|error| wrong("a recording's name or a pattern with * and ?", error.to_string()))?;
@@ -78,7 +87,14 @@ impl Groups {
             });
             let magnet_s = magnet_s.transpose()?;
             let calibration = line.calibration.map(|name| name.trim().to_owned()).filter(|name| !name.is_empty());
-            Ok(Rule { pattern, group: line.group.trim().to_owned(), declination_deg, magnet_s, calibration })
+            Ok(Rule {
+                pattern,
+                group: line.group.trim().to_owned(),
+                declination_deg,
+                magnet_s,
+                calibration,
+                judged_s: line.judged_s,
+            })
         };
         let rules = lines.into_iter().enumerate().map(rule).collect::<Result<_, RecordingError>>()?;
         Ok(Self { path: Some(path), rules, rest: rest(OTHERS) })

@@ -8,8 +8,9 @@ use crate::baseline::{Baseline, Contestant, Known};
 use crate::beside::read_table;
 use crate::error::LabError;
 use crate::experiment::compare_recording::{FIELD_UT, NOISE_UT, push_inertial};
+use crate::experiment::put_on::{Course, Heading, HeadingJudge};
 use crate::progress;
-use crate::replay::{Ignore, VectorsJudge};
+use crate::replay::Ignore;
 use magcomp::nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use magcomp::{Calibration, FitOptions, MagneticSample, Residual, fit_ellipsoid};
 use magcomp_recordings::import::{ImportOptions, open};
@@ -61,24 +62,17 @@ pub(super) const RIVALS: [Rival; 15] = [
     rival("VQF on the system's field", Contestant::VqfRaw, 9.0, Given::System),
     rival("VQF on a fit with the gyroscope's turns", Contestant::VqfTurns, 9.0, Given::Raw),
     rival("VQF on magcomp's corrected sample", Contestant::VqfCorrected, 9.0, Given::Raw),
-    rival("magcomp: heading", Contestant::Aided, 0.0, Given::Raw),
+    rival(OURS, Contestant::Aided, 0.0, Given::Raw),
 ];
 
+/// Our own, the last of them.
+pub(super) const OURS: &str = "magcomp: heading";
+/// The methods whose headings are drawn where a magnet is put on.
+pub(super) const DRAWN: [&str; 3] = ["the system's field", "VQF on the system's field", OURS];
 /// Time that a hand needs about a change, s: before it, and after it.
 const HAND_S: [f64; 2] = [8.0, 3.0];
 /// Rows of each part that a step of b is formed from, at least.
 const FEWEST_ROWS: usize = 100;
-
-/// A method's heading on a recording.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Heading {
-    /// Share of the rows with an answer.
-    pub answered: f64,
-    /// Rms of the error up to one constant, degrees.
-    pub rms_deg: f64,
-    /// Rms of the error against magnetic north by the reference, degrees.
-    pub absolute_deg: f64,
-}
 
 /// The hard iron of a magnet that was put on a sensor and taken off, uT.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -100,6 +94,13 @@ pub struct Compared {
     pub magnet: Option<MagnetStep>,
     /// By method, in the order of the tables; none where it cannot take part or has too few answers.
     pub headings: Vec<Option<Heading>>,
+    /// From which second after the first row on they are judged, where the index tells one, and the courses of those that are drawn.
+    #[serde(skip)]
+    pub drawn: Option<(f64, [Course; 3])>,
+    /// Share of our errors within two of their sigmas, 0 to 1; none where too few rows have one.
+    pub within_two_sigma: Option<f64>,
+    /// Changes of the device that magcomp declared.
+    pub device_steps: usize,
 }
 
 /// What a folder of recordings came to.
@@ -190,7 +191,13 @@ pub fn compare_folder(
     let paths = recordings(folder)?;
     let groups = Groups::of(folder, index)?;
     let both = progress::map("compare", &paths, threads, |path| {
-        Score::of(path, &groups, Ignore::default()).and_then(|score| Ok((score, compared(path, &groups, entries)?)))
+        let (score, warnings) = Score::of(path, &groups, Ignore::default())?;
+        let ours = Compared {
+            within_two_sigma: score.figures["within_two_sigma"],
+            device_steps: score.device_steps,
+            ..compared(path, &groups, entries)?
+        };
+        Ok::<_, LabError>(((score, warnings), ours))
     });
     let both = both.into_iter().collect::<Result<Vec<_>, _>>()?;
     let (scores, recordings): (Vec<(Score, Vec<String>)>, Vec<Compared>) = both.into_iter().unzip();
@@ -212,7 +219,7 @@ struct SystemLine {
 /// One recording through all methods.
 fn compared(path: &Path, groups: &Groups, entries: &[Entry]) -> Result<Compared, LabError> {
     let recording = name_of(path);
-    let Rule { group, declination_deg, magnet_s, calibration, .. } = groups.find(&recording);
+    let Rule { group, declination_deg, magnet_s, calibration, judged_s, .. } = groups.find(&recording);
     let initial = calibration.as_ref().map(|name| first_step(path, name)).transpose()?;
     let mut opened = open(&[path.to_owned()], &ImportOptions::default())?;
     let extent = *opened.source.extent();
@@ -221,6 +228,7 @@ fn compared(path: &Path, groups: &Groups, entries: &[Entry]) -> Result<Compared,
         half.map_or(Ok(Vec::new()), |half| read_table(&half, "the system's field, with the columns mx,my,mz"))?;
     let known =
         Known { seed: 0, noise_ut: NOISE_UT, field_ut: FIELD_UT, parameters: None, initial: None, reference: false };
+    let judge = || HeadingJudge::new(&extent, judged_s.map(|judged_s| extent.start_s + judged_s));
     let mut running = Vec::new();
     for rival in RIVALS {
         let known = match (rival.given, initial) {
@@ -229,10 +237,10 @@ fn compared(path: &Path, groups: &Groups, entries: &[Entry]) -> Result<Compared,
             _ => Some(known.clone()),
         };
         let method = known.map(|known| rival.contestant.make(rival.value, &known)).transpose()?.flatten();
-        running.push((rival, method, VectorsJudge::new(&extent)));
+        running.push((rival, method, judge()));
     }
-    let entered = entries.iter().map(|entry| Ok((entry.answers(&recording, extent.rows)?, VectorsJudge::new(&extent))));
-    let mut entered: Vec<(Option<Vec<EntryLine>>, VectorsJudge)> = entered.collect::<Result<_, LabError>>()?;
+    let entered = entries.iter().map(|entry| Ok((entry.answers(&recording, extent.rows)?, judge())));
+    let mut entered: Vec<(Option<Vec<EntryLine>>, HeadingJudge)> = entered.collect::<Result<_, LabError>>()?;
     let mut magnet = magnet_s.map(|told| Magnet::new(told, extent.start_s));
     for (k, row) in opened.source.rows()?.enumerate() {
         let row = row?;
@@ -249,24 +257,32 @@ fn compared(path: &Path, groups: &Groups, entries: &[Entry]) -> Result<Compared,
                 method.push(&MagneticSample { time_ns: row.time_ns, field_ut });
                 method.latest(&field_ut)
             });
-            judge.add(&row, answer.as_ref());
+            judge.add(&row, answer.as_ref(), method.sigma_deg());
         }
         for (lines, judge) in &mut entered {
             let answer = lines.as_ref().and_then(|lines| lines.get(k)?.vector());
-            judge.add(&row, answer.as_ref());
+            judge.add(&row, answer.as_ref(), None);
         }
         if let (Some(magnet), Some((_, Some(ours), _))) = (&mut magnet, running.last()) {
             magnet.add(&row, ours.as_ref());
         }
     }
-    let heading = |judge: &VectorsJudge| {
-        let vectors = judge.vectors(*declination_deg);
-        let error = vectors.heading?;
-        Some(Heading { answered: vectors.answered, rms_deg: error.rms_deg, absolute_deg: error.absolute_rms_deg })
-    };
     let judges = running.iter().map(|(_, _, judge)| judge).chain(entered.iter().map(|(_, judge)| judge));
-    let headings = judges.map(heading).collect();
-    Ok(Compared { group: group.to_owned(), recording, magnet: magnet.and_then(|it| it.step()), headings })
+    let headings = judges.map(|judge| judge.heading(*declination_deg)).collect();
+    let course = |name: &str| {
+        let judge = running.iter().find(|(rival, ..)| rival.name == name).map(|(.., judge)| judge);
+        judge.map_or_else(Course::new, HeadingJudge::course)
+    };
+    let drawn = judged_s.map(|judged_s| (judged_s, DRAWN.map(course)));
+    Ok(Compared {
+        group: group.to_owned(),
+        recording,
+        magnet: magnet.and_then(|it| it.step()),
+        headings,
+        drawn,
+        within_two_sigma: None,
+        device_steps: 0,
+    })
 }
 
 /// The paper's first step: the ellipsoid through all samples of the recording of this name, which lies beside `path`, as (10) is written.

@@ -1,13 +1,15 @@
 //! The comparison as tables, the medians of all groups, what a magnet did, then each group; and as a picture for each group.
 
 use super::figures::Worse;
-use super::rivals::{Compared, Comparison, Heading, MagnetStep};
+use super::rivals::{Compared, Comparison, DRAWN, MagnetStep, OURS};
 use super::score::{GroupScore, Summary};
 use crate::error::LabError;
+use crate::experiment::put_on::{Drawn, Heading, picture};
 use crate::plot::{Colour, DotRow, Dots};
 use crate::report::Report;
 use crate::table::{Table, number};
 use magcomp::nalgebra::Vector3;
+use std::fmt::Write as _;
 
 impl Comparison {
     /// The medians, where there is more than one group; magnets that were put on sensors, where there are any; then a table a group.
@@ -50,7 +52,69 @@ impl Comparison {
             );
         }
         self.tables().iter().for_each(|table| report.table(table));
-        Ok(())
+        let mut put_on = self.recordings.iter().filter(|it| it.drawn.is_some()).peekable();
+        if put_on.peek().is_none() {
+            return Ok(());
+        }
+        report.folded("Each recording over time", |report| {
+            put_on.try_for_each(|it| {
+                let Some(svg) = self.picture(it)? else { return Ok(()) };
+                let caption = format!(
+                    "{}: heading error of each second about the constant before the magnet; its rms from then on stands beside the name. The \
+                     band is two sigmas wide on both sides. Larger errors than 60 degrees are drawn there.",
+                    it.recording
+                );
+                report.figure(&format!("over_time_{}", it.recording), svg, &caption);
+                Ok(())
+            })
+        })
+    }
+
+    /// The headings over time where rows are judged from a moment on.
+    fn picture(&self, it: &Compared) -> Result<Option<String>, LabError> {
+        let Some((judged_s, courses)) = &it.drawn else { return Ok(None) };
+        let drawn = DRAWN.into_iter().zip(courses).filter_map(|(name, course)| {
+            let method = self.methods.iter().position(|method| method == name)?;
+            let rms = number(Some(it.headings[method]?.rms_deg), 1);
+            let (name, colour) = match name {
+                "the system's field" => ("phone's calibrated field", Colour::Grey),
+                "VQF on the system's field" => ("VQF on that", Colour::Orange),
+                _ => ("magcomp", Colour::Blue),
+            };
+            Some(Drawn { name: format!("{name} {rms}"), colour, course })
+        });
+        let drawn: Vec<Drawn<'_>> = drawn.collect();
+        picture(&drawn, &[(*judged_s, "a magnet is put on")]).map(Some)
+    }
+
+    /// Every recording's figures as CSV, docs/data/comparison.csv: a line for each method that answered. The last four columns are of
+    /// magcomp's heading alone: the step of the hard iron where a magnet was put on, how far from it the found one is, errors within two
+    /// sigmas, changes of the device that were declared.
+    pub fn csv(&self) -> String {
+        let mut out = "group,recording,method,rms_deg,north_rms_deg,answered_percent,step_ut,step_off_ut,within_2_sigma_percent,device_changes\n".to_owned();
+        for it in &self.recordings {
+            for (method, heading) in self.methods.iter().zip(&it.headings) {
+                let Some(heading) = heading else { continue };
+                let cell = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.1}"));
+                let own = (method == OURS).then(|| {
+                    let step = it.magnet.map(|step| [step.true_ut, step.found_ut].map(Vector3::from));
+                    let step = [step.map(|[real, _]| real.norm()), step.map(|[real, found]| (found - real).norm())];
+                    let within = cell(it.within_two_sigma.map(|share| 100.0 * share));
+                    format!("{},{},{within},{}", cell(step[0]), cell(step[1]), it.device_steps)
+                });
+                let _ = writeln!(
+                    out,
+                    "\"{}\",{},\"{method}\",{:.1},{:.1},{:.1},{}",
+                    it.group,
+                    it.recording,
+                    heading.rms_deg,
+                    heading.absolute_deg,
+                    100.0 * heading.answered,
+                    own.as_deref().unwrap_or(",,,")
+                );
+            }
+        }
+        out
     }
 
     fn of_group(&self, ours: &GroupScore) -> Vec<&Compared> {
