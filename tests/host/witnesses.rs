@@ -3,7 +3,7 @@
 use magcomp::nalgebra::{Matrix3, Rotation3, Vector3};
 use magcomp::{
     Compensator, Config, HeadedAxis, HeadingSample, MagneticSample, NorthReference, Reading, RejectReason,
-    RotationRateSample, SensorMode, Status, UpSample,
+    RotationRateSample, Status, UpSample,
 };
 use magcomp_tests::Random;
 
@@ -16,21 +16,13 @@ struct Phone {
     attitude: Rotation3<f64>,
     tick: i64,
     field: Matrix3<f64>,
-    up: Matrix3<f64>,
     rates: Matrix3<f64>,
 }
 
 impl Phone {
     fn new(seed: u64) -> Self {
         let sound = Matrix3::identity();
-        Self {
-            random: Random::new(seed),
-            attitude: Rotation3::identity(),
-            tick: 0,
-            field: sound,
-            up: sound,
-            rates: sound,
-        }
+        Self { random: Random::new(seed), attitude: Rotation3::identity(), tick: 0, field: sound, rates: sound }
     }
 
     fn time_ns(&self) -> i64 {
@@ -45,7 +37,7 @@ impl Phone {
         let time_ns = self.time_ns();
         let rate_rad_s = self.rates * rate + Vector3::new(0.01, -0.02, 0.015) + self.random.normal3() * 0.003;
         to.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s }).unwrap();
-        let up_m_s2 = self.up * self.attitude.inverse() * Vector3::new(0.0, 0.0, 9.81) + self.random.normal3() * 0.1;
+        let up_m_s2 = self.attitude.inverse() * Vector3::new(0.0, 0.0, 9.81) + self.random.normal3() * 0.1;
         to.push_up(UpSample { time_ns, up_m_s2 }).unwrap();
         let field_ut = self.field * (self.attitude.inverse() * FIELD_UT + HARD_IRON_UT) + self.random.normal3() * 0.5;
         to.push(MagneticSample { time_ns, field_ut })
@@ -101,23 +93,6 @@ fn a_magnetometer_in_other_axes_is_refused_with_their_names_until_it_is_mended()
 fn its_text_says_what_to_type() {
     let told = Status::Rejected(RejectReason::Axes { x: 2, y: -1, z: 3 }).to_string();
     assert!(told.contains("y,-x,z"), "{told}");
-}
-
-/// The field is corrected all the same: it needs no vertical.
-#[test]
-fn an_accelerometer_in_other_axes_is_no_vertical() {
-    let (mut phone, mut it) = (Phone::new(4), compensator());
-    phone.up = rows([0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
-    let readings: Vec<Reading> = (0..4000).map(|_| phone.advance(&mut it)).collect();
-    for reading in &readings[2500..] {
-        assert_eq!((reading.mode, reading.heading.is_none()), (SensorMode::GyroscopeOnly, true), "{reading:?}");
-        assert!((reading.total_field_ut.unwrap() / FIELD_UT.norm() - 1.0).abs() < 0.2, "{reading:?}");
-    }
-    phone.up = Matrix3::identity();
-    let readings: Vec<Reading> = (0..3000).map(|_| phone.advance(&mut it)).collect();
-    let last = readings.last().unwrap();
-    assert_eq!(last.mode, SensorMode::GyroscopeAndGravity);
-    assert!(phone.error_deg(last.heading.unwrap().heading_deg) < 3.0, "{last:?}");
 }
 
 /// Gravity and field both say so: the magnetometer alone answers, and no sample is refused.
