@@ -40,7 +40,7 @@ macro_rules! choices {
             $($(#[doc = $what])+ pub $switch: bool,)+
         }
 
-        #[allow(dead_code, unused_variables, reason = "not every part has choices that are tried by `magcomp sensitivity`")]
+        #[allow(dead_code, unreachable_code, unused_variables, reason = "not every part has choices that are tried by `magcomp sensitivity`")]
         impl $name {
             /// What phones get.
             pub const USED: Self = Self { $($field: $value,)* $($switch: true,)+ };
