@@ -37,7 +37,7 @@ FLOORS = {
         "level": "math",
         "heading": "level math",
         "attitude": "heading level math",
-        "sensing": "math priors range room sample strength",
+        "sensing": "math priors range room sample strength tuning",
         "kept": "calibration priors range",
     },
     "rust/magcomp/src/estimator/mod.rs": {
@@ -53,6 +53,17 @@ FLOORS = {
         "config": "uniformity",
         "window": "",
         "windowed": "config uniformity window",
+    },
+    "rust/magcomp/src/sensing/mod.rs": {
+        "frame": "",
+        "tilt": "",
+        "turning": "",
+        "pairing": "",
+        "order": "pairing",
+        "hang": "pairing turning",
+        "stand_in": "pairing",
+        "axes": "hang pairing tilt turning",
+        "witnesses": "axes frame pairing turning",
     },
     "rust/magcomp/src/compensator.rs": {
         "tuning": "",

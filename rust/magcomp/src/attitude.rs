@@ -10,7 +10,7 @@
 //! The sum of the three variances is the same in every frame.
 
 use crate::heading::angle_sigma_deg;
-use crate::level::Level;
+use crate::level::{Level, Tilt};
 use crate::math::elementary::hypot;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField as _;
@@ -54,12 +54,13 @@ pub fn attitude_sigma_deg(
     covariance_ut2: &Matrix3<f64>,
     tilt_sigma_deg: f64,
 ) -> Option<f64> {
-    sigma_of_level(&Level::of(field_ut, up)?, covariance_ut2, tilt_sigma_deg)
+    sigma_of_level(&Level::of(field_ut, up)?, covariance_ut2, &Tilt { sigma_deg: tilt_sigma_deg, ..Tilt::default() })
 }
 
 /// The same of a field's level frame.
-pub(crate) fn sigma_of_level(level: &Level, covariance_ut2: &Matrix3<f64>, tilt_sigma_deg: f64) -> Option<f64> {
-    let about_up_deg = angle_sigma_deg(level.variance_rad2(covariance_ut2, tilt_sigma_deg.to_radians().powi(2)))?;
-    let sigma = hypot(about_up_deg, tilt_sigma_deg * core::f64::consts::SQRT_2).min(180.0);
+pub(crate) fn sigma_of_level(level: &Level, covariance_ut2: &Matrix3<f64>, tilt: &Tilt) -> Option<f64> {
+    let about_up_rad2 = level.variance_rad2(covariance_ut2, tilt.variance_rad2(), tilt.common_rad2);
+    let about_up_deg = angle_sigma_deg(about_up_rad2)?;
+    let sigma = hypot(about_up_deg, tilt.sigma_deg * core::f64::consts::SQRT_2).min(180.0);
     sigma.is_finite().then_some(sigma)
 }

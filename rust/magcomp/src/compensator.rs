@@ -26,13 +26,10 @@ use crate::north::North;
 use crate::range::ConfigError;
 use crate::reading::{Event, Reading, RejectReason, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample, seconds};
-use crate::sensing::axes::Axes;
-use crate::sensing::dip::Dip;
-use crate::sensing::frame::{Frame, Piece, Whole};
-use crate::sensing::pairing::{EventRejection, InertialPairing, PairedInertial, Rotation};
+use crate::sensing::pairing::{EventRejection, InertialPairing, PairedInertial};
 use crate::sensing::stand_in::StandIn;
-use crate::sensing::tilt::{GRAVITY_M_S2, Tilt};
-use crate::sensing::turning::Turning;
+use crate::sensing::tilt::Tilt;
+use crate::sensing::witnesses::{Testimony, Witnesses};
 use alloc::boxed::Box;
 use belief::Belief;
 use check::Stream;
@@ -84,13 +81,7 @@ struct State {
     stream: Stream,
     pairing: InertialPairing,
     presence: Presence,
-    /// What `axes` and `turning` see next.
-    frame: Frame,
-    axes: Axes,
-    turning: Turning,
-    dip: Dip,
-    /// The latest sample was refused for its axes.
-    has_wrong_axes: bool,
+    witnesses: Witnesses,
     tilt: Tilt,
     belief: Belief,
     north: North,
@@ -119,7 +110,7 @@ impl Compensator {
             estimator: Box::new(estimator(&config, tunings)),
             tuning: tunings.compensator,
             guidance: Guidance::new(config.windowed.n_max, config.field_strength_ut),
-            state: State::default(),
+            state: State { witnesses: Witnesses::new(tunings.witnesses), ..State::default() },
             config,
         };
         it.adopt_initial();
@@ -130,7 +121,7 @@ impl Compensator {
     pub fn reset(&mut self) {
         self.estimator.restart();
         self.guidance.restart();
-        self.state = State::default();
+        self.state = State { witnesses: self.state.witnesses.anew(), ..State::default() };
         self.adopt_initial();
     }
 
@@ -184,32 +175,24 @@ impl Compensator {
             Err(reason) => return self.rejected(sample.time_ns, reason),
         }
         let previous_ns = self.state.stream.accept(sample);
-        let mut paired = self.pair(sample.time_ns, previous_ns, Some(&sample.field_ut));
+        let (mut paired, testimony) = self.pair(sample.time_ns, previous_ns, Some(&sample.field_ut));
         if let Some(up) = paired.up_m_s2 {
             self.state.tilt.step(sample.time_ns, &up, &sample.field_ut);
         }
-        let were_wrong = self.state.has_wrong_axes;
-        if let Some(reason) = self.wrong_axes() {
-            return self.rejected(sample.time_ns, reason);
+        if let Some([x, y, z]) = testimony.other_axes {
+            return self.rejected(sample.time_ns, RejectReason::Axes { x, y, z });
         }
-        // a vertical whose axes are not those of the field is none
-        let up_m_s2 = paired.up_m_s2;
-        paired.up_m_s2 = up_m_s2.filter(|_| !self.has_wrong_up());
         self.judge_adopted(&sample, paired.up_m_s2);
-        if self.hand_over(sample.time_ns, previous_ns) || were_wrong {
+        if self.hand_over(sample.time_ns, previous_ns, &testimony) || testimony.was_refused {
             // it does not know yet where the field points: this sample goes in as one after a pause
             paired.rotation = None;
         }
         let (status, mut answer) = self.estimator.push(&sample, &paired);
-        answer.up = answer.up.filter(|_| !self.has_wrong_up());
         self.note(&sample, &answer);
-        let since_s = previous_ns.map_or(0.0, |previous_ns| seconds(previous_ns, sample.time_ns));
-        if let (Status::Tracking, Some(up_m_s2), Some(field_ut)) = (status, up_m_s2, answer.field_ut) {
-            self.state.dip.see(&(up_m_s2 / GRAVITY_M_S2), &field_ut, since_s);
-        }
         self.state.north.step(sample.time_ns, &mut answer, self.config.heading.declination_deg);
         let reading = self.assemble(sample.time_ns, status, &answer);
         if let (Status::Tracking, Some(heading)) = (status, &reading.heading) {
+            let since_s = previous_ns.map_or(0.0, |previous_ns| seconds(previous_ns, sample.time_ns));
             self.state.belief.see_dip(heading, since_s);
         }
         reading
@@ -225,75 +208,32 @@ impl Compensator {
     }
 
     /// The estimator that the sensors allow takes over, from the calibration in force; whether that is the aided one.
-    fn hand_over(&mut self, time_ns: i64, previous_ns: Option<i64>) -> bool {
-        let is_contradicted = self.is_gyroscope_contradicted();
-        let State { presence, axes, belief, .. } = &self.state;
+    fn hand_over(&mut self, time_ns: i64, previous_ns: Option<i64>, testimony: &Testimony) -> bool {
+        let State { presence, belief, .. } = &self.state;
         let (Some(is_there), Estimator::Ours(ours)) = (presence.is_there(time_ns, previous_ns), &mut *self.estimator)
         else {
             return false;
         };
-        let is_there = is_there && !(self.tuning.axes && axes.is_dead());
+        let is_there = is_there && !testimony.is_gyroscope_dead;
+        let is_contradicted = testimony.is_gyroscope_contradicted;
         matches!(self.config.method, Method::Auto | Method::Aided)
             && ours.follow_gyroscope(is_there, is_contradicted, |given| belief.no_surer_than_usual(given))
             && is_there
     }
 
-    /// What the other sensors say with a sample, and what that tells of the gyroscope: whether it is there, and its axes are sound.
-    fn pair(&mut self, time_ns: i64, previous_ns: Option<i64>, field_ut: Option<&Vector3<f64>>) -> PairedInertial {
+    /// What the other sensors say with a sample, and what the three say of each other.
+    fn pair(
+        &mut self,
+        time_ns: i64,
+        previous_ns: Option<i64>,
+        field_ut: Option<&Vector3<f64>>,
+    ) -> (PairedInertial, Testimony) {
         let mut paired = self.state.pairing.pair(time_ns);
         self.state.presence.see(time_ns, previous_ns, paired.rotation.is_some());
         let dt_s = previous_ns.map_or(0.0, |previous_ns| seconds(previous_ns, time_ns));
-        if let (Some(rotation), Some(up_m_s2)) = (&paired.rotation, &paired.up_m_s2) {
-            self.state.axes.read(rotation, dt_s, up_m_s2);
-            if self.tuning.hanging && self.state.axes.is_gravity_frozen() {
-                // the gyroscope carries on where up is
-                paired.up_m_s2 = None;
-            }
-        }
+        let testimony = self.state.witnesses.hear(&mut paired, field_ut, dt_s);
         self.state.stream.repeats.see(&paired, dt_s);
-        let Some(Rotation { increment_rad, variance_rad2: bridged_rad2, .. }) = paired.rotation else {
-            self.break_chain();
-            return paired;
-        };
-        let up_m_s2 = paired.up_m_s2;
-        let piece = Piece { increment_rad, dt_s, bridged_rad2, raw_ut: field_ut.copied(), late_s: 0.0, up_m_s2 };
-        if let Some(Whole { raw_ut, up_m_s2, between_rad, length_s, .. }) = self.state.frame.add(&piece, false) {
-            match up_m_s2 {
-                Some(up_m_s2) => self.state.axes.see(&up_m_s2, &between_rad, length_s),
-                None => self.state.axes.pause(),
-            }
-            match raw_ut {
-                Some(raw_ut) => self.state.turning.see(&raw_ut, &between_rad, length_s),
-                None => self.state.turning.pause(),
-            }
-        }
-        paired
-    }
-
-    /// No turn reaches across this sample.
-    fn break_chain(&mut self) {
-        self.state.frame = Frame::default();
-        self.state.axes.pause();
-        self.state.turning.pause();
-    }
-
-    /// Whether the angle between gravity and the corrected field tells that their axes differ. The gyroscope carries nothing that was wrong.
-    fn has_wrong_up(&self) -> bool {
-        self.tuning.gravity_axes && self.state.dip.has_other_axes && !self.is_gyroscope_contradicted()
-    }
-
-    /// Why a sample is refused whose field does not turn with a gyroscope that gravity does turn with.
-    fn wrong_axes(&mut self) -> Option<RejectReason> {
-        let axes =
-            self.state.turning.verdict.axes.filter(|_| self.tuning.field_axes && !self.state.axes.is_contradicted);
-        self.state.has_wrong_axes = axes.is_some();
-        axes.map(|[x, y, z]| RejectReason::Axes { x, y, z })
-    }
-
-    /// Whether neither gravity nor the field turns as the gyroscope says.
-    fn is_gyroscope_contradicted(&self) -> bool {
-        let consents = !self.tuning.vouching || self.state.turning.verdict.contradicts;
-        self.tuning.axes && self.state.axes.is_contradicted && consents
+        (paired, testimony)
     }
 
     /// What an answer tells the other parts.
@@ -327,8 +267,8 @@ impl Compensator {
     /// The field of a sample is of no use: the gyroscope carries on what is known.
     fn carry(&mut self, time_ns: i64, reason: RejectReason) -> Reading {
         let previous_ns = self.state.stream.pass(time_ns);
-        let mut paired = self.pair(time_ns, previous_ns, None);
-        if self.hand_over(time_ns, previous_ns) {
+        let (mut paired, testimony) = self.pair(time_ns, previous_ns, None);
+        if self.hand_over(time_ns, previous_ns, &testimony) {
             paired.rotation = None;
         }
         let mut answer = self.estimator.carry(time_ns, &paired);

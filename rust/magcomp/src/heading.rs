@@ -21,7 +21,7 @@
 #[cfg(test)]
 mod tests;
 
-use crate::level::{Level, VERTICAL};
+use crate::level::{Level, Tilt, VERTICAL};
 use crate::math::elementary::atan2;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField as _;
@@ -192,7 +192,8 @@ pub fn heading_sigma_deg(
     covariance_ut2: &Matrix3<f64>,
     tilt_sigma_deg: f64,
 ) -> Option<f64> {
-    sigma_of_level(&Level::of(field_ut, up)?, axis, rotation, covariance_ut2, tilt_sigma_deg)
+    let tilt = Tilt { sigma_deg: tilt_sigma_deg, ..Tilt::default() };
+    sigma_of_level(&Level::of(field_ut, up)?, axis, rotation, covariance_ut2, &tilt)
 }
 
 /// The same of a field's level frame.
@@ -201,7 +202,7 @@ pub(crate) fn sigma_of_level(
     axis: ReferenceAxis,
     rotation: ScreenRotation,
     covariance_ut2: &Matrix3<f64>,
-    tilt_sigma_deg: f64,
+    tilt: &Tilt,
 ) -> Option<f64> {
     let Level { east, north, up, .. } = level;
     let pointing = pointing(up, axis, rotation);
@@ -215,8 +216,10 @@ pub(crate) fn sigma_of_level(
     };
     let to_east = level.vertical / level.horizontal - n * rise + follows(east);
     let to_north = e * rise + follows(north);
-    let tilt_rad2 = tilt_sigma_deg.to_radians().powi(2) * (to_east * to_east + to_north * to_north);
-    angle_sigma_deg(level.across_rad2(covariance_ut2) + tilt_rad2)
+    // what the field is off by turns with the first of the terms alone
+    let common_rad2 = 2.0 * tilt.common_rad2 * to_east * level.vertical / level.horizontal;
+    let tilt_rad2 = tilt.variance_rad2() * (to_east * to_east + to_north * to_north);
+    angle_sigma_deg((level.across_rad2(covariance_ut2) + tilt_rad2 - common_rad2).max(0.0))
 }
 
 /// The standard deviation of an angle of this variance, degrees; 180 where it knows no direction at all.

@@ -2,8 +2,9 @@
 //!
 //! ```text
 //! E = h x U / |h x U|,   N = U x E,   H = |h x U|,   V = h . U                                  H^2 + V^2 = |h|^2
-//! variance of a turn about U:   (E^T P E (1 + 3 N^T P N / H^2) + V^2 s_tilt^2) / H^2             P: covariance of h
+//! variance of a turn about U:   (E^T P E (1 + 3 N^T P N / H^2) + V^2 (s_tilt^2 - 2 C)) / H^2       P: covariance of h
 //! ```
+//! C: covariance of the turns about a horizontal axis by which h and U are off: where one gyroscope carries both, what it gets wrong turns both alike.
 //! `E[(y/x)^2] = var y / x^2 (1 + 3 var x / x^2 + ...)`: a horizontal part whose length is not known turns by more.
 
 use crate::math::elementary::{atan2, hypot};
@@ -13,6 +14,21 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Mathematics: what has a smaller sine to the vertical has no heading, for rounding: 1e-6 is 0.2 arc seconds.
 pub(crate) const VERTICAL: f64 = 1e-6;
+
+/// How well `up` is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Tilt {
+    /// Standard deviation about a horizontal axis.
+    pub sigma_deg: f64,
+    /// C, rad^2.
+    pub common_rad2: f64,
+}
+
+impl Tilt {
+    pub fn variance_rad2(&self) -> f64 {
+        self.sigma_deg.to_radians().powi(2)
+    }
+}
 
 /// The axes have length 1.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -39,9 +55,10 @@ impl Level {
         })
     }
 
-    /// Variance of the turn about `up` by which the vector is off, for its covariance and the variance of `up` about a horizontal axis, rad^2.
-    pub fn variance_rad2(&self, covariance: &Matrix3<f64>, tilt_rad2: f64) -> f64 {
-        self.across_rad2(covariance) + tilt_rad2 * (self.vertical / self.horizontal).powi(2)
+    /// Variance of the turn about `up` by which the vector is off, for its covariance, the variance of `up` about a horizontal axis, and C, rad^2.
+    pub fn variance_rad2(&self, covariance: &Matrix3<f64>, tilt_rad2: f64, common_rad2: f64) -> f64 {
+        let slope = self.vertical / self.horizontal;
+        (self.across_rad2(covariance) + (tilt_rad2 - 2.0 * common_rad2) * slope * slope).max(0.0)
     }
 
     /// The part of it that is the vector's own.

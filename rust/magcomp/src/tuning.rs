@@ -29,21 +29,21 @@ pub struct Mechanism {
 /// and the mechanisms that can be switched off.
 macro_rules! choices {
     ($(#[doc = $about:literal])* $name:ident {
-        $($(#[doc = $meaning:literal])+ $field:ident: $value:expr, $unit:literal, $source:literal;)+
+        $($(#[doc = $meaning:literal])+ $field:ident: $value:expr, $unit:literal, $source:literal;)*
     } mechanisms {
         $($(#[doc = $what:literal])+ $switch:ident;)+
     }) => {
         $(#[doc = $about])*
         #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
         pub(crate) struct $name {
-            $($(#[doc = $meaning])+ pub $field: f64,)+
+            $($(#[doc = $meaning])+ pub $field: f64,)*
             $($(#[doc = $what])+ pub $switch: bool,)+
         }
 
-        #[allow(dead_code, reason = "only those of the estimators are tried by `magcomp sensitivity`")]
+        #[allow(dead_code, unreachable_code, unused_variables, reason = "not every part has choices that are tried by `magcomp sensitivity`")]
         impl $name {
             /// What phones get.
-            pub const USED: Self = Self { $($field: $value,)+ $($switch: true,)+ };
+            pub const USED: Self = Self { $($field: $value,)* $($switch: true,)+ };
 
             /// Every choice.
             pub const LIST: &[$crate::tuning::Choice] = &[$($crate::tuning::Choice {
@@ -52,7 +52,7 @@ macro_rules! choices {
                 meaning: concat!($($meaning),+),
                 source: $source,
                 value: $value,
-            }),+];
+            }),*];
 
             /// Every mechanism that can be switched off.
             pub const MECHANISMS: &[$crate::tuning::Mechanism] = &[$($crate::tuning::Mechanism {
@@ -72,7 +72,7 @@ macro_rules! choices {
             /// Sets a choice by its name; whether there is one.
             pub fn set(&mut self, name: &str, value: f64) -> bool {
                 match name {
-                    $(stringify!($field) => self.$field = value,)+
+                    $(stringify!($field) => self.$field = value,)*
                     _ => return false,
                 }
                 true

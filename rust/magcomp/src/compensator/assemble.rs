@@ -4,7 +4,7 @@ use super::Compensator;
 use crate::attitude::{self, Attitude};
 use crate::estimator::answer::{Answer, KnownNorth};
 use crate::heading::{self, Heading, HeadingConfig, true_heading_deg};
-use crate::level::Level;
+use crate::level::{Level, Tilt};
 use crate::math::elementary::hypot;
 use crate::reading::{Reading, Status};
 #[cfg(not(feature = "std"))]
@@ -16,14 +16,14 @@ struct Pointing {
     /// Of the estimator's own estimate where it has one, else of the corrected sample.
     level: Level,
     covariance_ut2: Option<Matrix3<f64>>,
-    tilt_sigma_deg: f64,
+    tilt: Tilt,
 }
 
 impl Pointing {
-    fn of(answer: &Answer, up: Option<Vector3<f64>>, tilt_sigma_deg: f64) -> Option<Self> {
+    fn of(answer: &Answer, up: Option<Vector3<f64>>, tilt: Tilt) -> Option<Self> {
         let level = Level::of(&answer.filtered_field_ut.or(answer.field_ut)?, &up?)?;
         let covariance_ut2 = answer.filtered_covariance_ut2.or(answer.field_covariance_ut2);
-        Some(Self { level, covariance_ut2, tilt_sigma_deg })
+        Some(Self { level, covariance_ut2, tilt })
     }
 
     /// North alone, as a level field.
@@ -31,7 +31,7 @@ impl Pointing {
         let level = Level::of(&known.north, &known.up)?;
         Some(Self {
             covariance_ut2: Some(level.east * level.east.transpose() * known.variance_rad2),
-            tilt_sigma_deg: hypot(at_rest_deg, known.tilt_rad2.sqrt().to_degrees()),
+            tilt: Tilt { sigma_deg: hypot(at_rest_deg, known.tilt_rad2.sqrt().to_degrees()), ..Tilt::default() },
             level,
         })
     }
@@ -39,8 +39,7 @@ impl Pointing {
     fn heading(&self, config: &HeadingConfig) -> Option<Heading> {
         let HeadingConfig { axis, screen_rotation, declination_deg, .. } = *config;
         let found = heading::of_level(&self.level, axis, screen_rotation)?;
-        let sigma =
-            |p: Matrix3<f64>| heading::sigma_of_level(&self.level, axis, screen_rotation, &p, self.tilt_sigma_deg);
+        let sigma = |p: Matrix3<f64>| heading::sigma_of_level(&self.level, axis, screen_rotation, &p, &self.tilt);
         Some(Heading {
             heading_sigma_deg: self.covariance_ut2.and_then(sigma),
             true_heading_deg: declination_deg.map(|it| true_heading_deg(found.heading_deg, it)),
@@ -49,7 +48,7 @@ impl Pointing {
     }
 
     fn attitude(&self) -> Attitude {
-        let sigma = |p: Matrix3<f64>| attitude::sigma_of_level(&self.level, &p, self.tilt_sigma_deg);
+        let sigma = |p: Matrix3<f64>| attitude::sigma_of_level(&self.level, &p, &self.tilt);
         Attitude { sigma_deg: self.covariance_ut2.and_then(sigma), ..attitude::of_level(&self.level) }
     }
 }
@@ -62,8 +61,8 @@ impl Compensator {
             Some(tilt_rad2) => (answer.up, tilt_rad2),
             None => (answer.up.and_then(|_| self.state.tilt.up()), self.state.tilt.variance_rad2()),
         };
-        let tilt_sigma_deg = hypot(self.config.heading.tilt_sigma_deg, motion_rad2.sqrt().to_degrees());
-        let by_field = Pointing::of(answer, up, tilt_sigma_deg);
+        let sigma_deg = hypot(self.config.heading.tilt_sigma_deg, motion_rad2.sqrt().to_degrees());
+        let by_field = Pointing::of(answer, up, Tilt { sigma_deg, common_rad2: answer.common_rad2 });
         let by_north = answer.north.and_then(|known| Pointing::to(&known, self.config.heading.tilt_sigma_deg));
         // with the declination that headings from outside have shown, where none is set
         let declination_deg =

@@ -61,7 +61,7 @@ impl Compensator {
         self.state.presence.pause();
         self.state.pairing.pause();
         self.state.stand_in.pause();
-        self.break_chain();
+        self.state.witnesses.pause();
         self.state.north.pause();
         if let Some(kept) = self.keep(0) {
             self.state.belief.adopted = Some(Adopted::new(&kept, Some(hidden_s as i64)));

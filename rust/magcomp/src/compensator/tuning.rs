@@ -17,20 +17,10 @@ choices! {
         /// Share of given calibrations that never held: taken beside a magnet, or of another phone
         never_held: 0.0025, "", "one in 400; tests/host/relaunch.rs";
     } mechanisms {
-        /// Gravity contradicts a gyroscope whose axes are flipped or dead, or that is read in degrees
-        axes;
-        /// The field vouches for a gyroscope that gravity contradicts
-        vouching;
-        /// A magnetometer whose axes are not the gyroscope's is refused
-        field_axes;
-        /// An accelerometer whose axes are not the field's is no vertical
-        gravity_axes;
         /// A full scale that nobody told is found
         rails;
         /// A sensor that hangs is refused
         stuck;
-        /// An accelerometer that hangs is no vertical
-        hanging;
         /// The turns of a camera's pose stand in for a gyroscope
         stand_in;
     }

@@ -2,6 +2,7 @@
 
 use super::tuning::Tuning;
 use crate::estimator::{adaptive, aided};
+use crate::sensing::witnesses;
 use crate::tuning::{Choice, Mechanism};
 
 /// The choices of every estimator, and the switches of every part.
@@ -10,6 +11,7 @@ pub struct Tunings {
     pub(super) adaptive: adaptive::Tuning,
     pub(super) aided: aided::Tuning,
     pub(super) compensator: Tuning,
+    pub(super) witnesses: witnesses::Tuning,
 }
 
 impl Tunings {
@@ -25,6 +27,7 @@ impl Tunings {
         of("adaptive", adaptive::Tuning::MECHANISMS)
             .chain(of("aided", aided::Tuning::MECHANISMS))
             .chain(of("compensator", Tuning::MECHANISMS))
+            .chain(of("witnesses", witnesses::Tuning::MECHANISMS))
     }
 
     /// Switches a mechanism off; whether there is one of that name.
@@ -33,6 +36,7 @@ impl Tunings {
             "adaptive" => self.adaptive.switch_off(name),
             "aided" => self.aided.switch_off(name),
             "compensator" => self.compensator.switch_off(name),
+            "witnesses" => self.witnesses.switch_off(name),
             _ => false,
         }
     }

@@ -20,6 +20,8 @@ pub(crate) struct Answer {
     pub up: Option<Vector3<f64>>,
     /// Variance of `up` about a horizontal axis for the motion it was averaged over, rad^2; `None`: it is the accelerometer's.
     pub tilt_rad2: Option<f64>,
+    /// Covariance of the turns about a horizontal axis by which `up` and the carried field are off, rad^2.
+    pub common_rad2: f64,
     pub sigma_t: Option<f64>,
     pub direction_sigma_deg: Option<f64>,
     pub worst_sigma_deg: Option<f64>,

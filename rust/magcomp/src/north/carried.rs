@@ -64,7 +64,7 @@ impl Own {
     pub fn of(answer: &Answer, tilt_rad2: f64) -> Option<Self> {
         let field_ut = answer.filtered_field_ut?;
         let level = Level::of(&field_ut, &answer.up?)?;
-        let variance_rad2 = level.variance_rad2(&answer.filtered_covariance_ut2?, tilt_rad2);
+        let variance_rad2 = level.variance_rad2(&answer.filtered_covariance_ut2?, tilt_rad2, answer.common_rad2);
         Some(Self { level, variance_rad2 })
     }
 

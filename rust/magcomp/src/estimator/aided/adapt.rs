@@ -4,14 +4,13 @@
 //! e_k = raw_k - b - M R M^-1 (raw_{k-1} - b),   sigma^2 += (dt / 0.5 s) (min(|e|^2 / 6, 9 sigma^2) - sigma^2)       of samples, and over 5 s of
 //!                                                the means of frames: what a logger has interpolated or held is no better known than it says
 //! s_d grows with (NIS/3 - 1), capped, per second of motion; and with the slow innovations beyond white noise
-//! D_k = sum db over T,   seen = (D_k . D_{k-1} + (tr P_bb,end - tr P_bb,start)+) / (3 T),   q_b^2 += (T / 5 s) (seen - q_b^2)
 //! s += (dt / t_s) (c - f - s),  t_s = 0.25 s,   U^2 = max(mean |s|^2 / 3 - sigma^2 dt / (2 t_s), (1 + t_w / tau_d) |s_w|^2 / 3)
 //! s_w: as s, t_w = 2 s: the field of a place, correlated over tau_d, leaves 1 / (1 + t_w / tau_d) of its power in it
 //! F^2 = U^2 + (U^2 - s_d^2)+,   L^2 = (mean |c - f|^2 - tr (sigma^2 W W^T)) / 3        F^2 + L^2 is variance of c, which has the place's field in it
 //! U_f: U, which fades over 5 s,   rho = max(1, (2 tau_d U_f^2 + sigma^2 dt) / (2 tau_d s_d^2 + sigma^2 dt)),   G^2 = 2 (U_f^2 - (1.3 uT)^2)+
 //! rho P_mm + G^2 is variance of f, an average: its error grows with the density of what is slow; what is too uneven does not average out.
 //! ```
-//! Source: docs/dev/METHOD-AIDED.md; q_b after Myers and Tapley 1976, with the lagged product in place of the square.
+//! Source: docs/dev/METHOD-AIDED.md.
 
 use crate::math::elementary::{exp, gain};
 use crate::priors::BEYOND_CHANCE;
@@ -35,14 +34,6 @@ pub(crate) struct Adaptation {
     pub(super) mean: White,
     /// s_d, uT.
     pub(super) local_ut: f64,
-    /// q_b, uT per root of a second.
-    pub(super) walk_ut: f64,
-    /// D so far, that of the window before, and the window's time.
-    walked_ut: Vector3<f64>,
-    walked_before_ut: Vector3<f64>,
-    walked_s: f64,
-    /// tr P_bb when the window began, uT^2.
-    walk_began_ut2: f64,
     slow_ut: Vector3<f64>,
     slow_innovation_ut: Vector3<f64>,
     slow_power_ut2: f64,
@@ -106,8 +97,6 @@ impl Adaptation {
             sample: White::new(tuning),
             mean: White::new(tuning),
             local_ut: if tuning.unevenness { tuning.local_most_ut } else { 0.0 },
-            walk_ut: tuning.offset_walk_ut,
-            walk_began_ut2: f64::MAX,
             power_ut2: tuning.even_ut.powi(2),
             // what is assumed at the start counts as one value
             slow_age_s: tuning.quick_s,
@@ -126,7 +115,7 @@ impl Adaptation {
         self.slow_age_s = (self.slow_age_s + dt_s).min(tuning.settled_s);
         let share = gain(dt_s, self.slow_age_s);
         self.slow_power_ut2 += share * (seen - self.slow_power_ut2);
-        self.lasting_ut += (difference_ut - self.lasting_ut) * gain(dt_s, tuning.walk_s);
+        self.lasting_ut += (difference_ut - self.lasting_ut) * gain(dt_s, tuning.lasting_s);
         let power = (difference_ut.norm_squared() / 3.0)
             .min(BEYOND_CHANCE.powi(2) * self.power_ut2.max(self.mean.variance_ut2));
         self.power_ut2 += share * (power - self.power_ut2);
@@ -139,7 +128,7 @@ impl Adaptation {
         if !tuning.unevenness {
             return 0.0;
         }
-        let lasts = 1.0 + tuning.walk_s / tuning.local_time_s;
+        let lasts = 1.0 + tuning.lasting_s / tuning.place_correlation_s;
         self.slow_power_ut2.max(lasts * self.lasting_ut.norm_squared() / 3.0)
     }
 
@@ -148,7 +137,8 @@ impl Adaptation {
         if !tuning.followed {
             return 1.0;
         }
-        let density = |local_ut2: f64| 2.0 * tuning.local_time_s * local_ut2 + self.mean.variance_ut2 * step.dt_s;
+        let density =
+            |local_ut2: f64| 2.0 * tuning.place_correlation_s * local_ut2 + self.mean.variance_ut2 * step.dt_s;
         (density(self.followed_ut2) / density(step.noise.local_ut.powi(2))).max(1.0)
     }
 
@@ -193,37 +183,7 @@ impl Adaptation {
         let excess = excess + tuning.slow_weight * (slow.min(3.0) - 1.0);
         let excess = if excess < 0.0 { excess * motion } else { excess };
         let grown_ut = self.local_ut * (1.0 + (excess * dt_s).clamp(-0.5, 0.5));
-        // what shows in the mean of the noise over its own duration: from less it rises too slowly where an uneven place is entered
-        let least_ut = (self.mean.variance_ut2 * dt_s / tuning.local_time_s).sqrt();
-        self.local_ut = grown_ut.min(tuning.local_most_ut).max(least_ut);
-    }
-
-    /// The walk of b, from one correction of it; `variance_ut2` is tr P_bb after it.
-    pub(crate) fn walk(&mut self, correction_ut: &Vector3<f64>, variance_ut2: f64, dt_s: f64, tuning: &Tuning) {
-        if !tuning.walk_learning {
-            return;
-        }
-        self.walked_ut += correction_ut;
-        self.walked_s += dt_s;
-        if self.walked_s < tuning.walk_s {
-            return;
-        }
-        let now = self.walk_ut.powi(2);
-        // what grew P meanwhile could not be seen
-        let unseen = (variance_ut2 - self.walk_began_ut2).max(0.0);
-        let seen = (self.walked_ut.dot(&self.walked_before_ut) + unseen) / (3.0 * self.walked_s);
-        // one product has three degrees of freedom: it is not believed beyond nine fold
-        let next = now + gain(self.walked_s, tuning.settled_s) * (seen.clamp(-now, BEYOND_CHANCE.powi(2) * now) - now);
-        self.walk_ut = next.max(0.0).sqrt().clamp(tuning.offset_walk_ut, tuning.largest_walk_ut);
-        self.restart_walk(self.walked_ut, variance_ut2);
-    }
-
-    /// Begins a window of `walk`, after one in which b went by `before_ut`: by nothing after a step, which is no walk.
-    pub(crate) fn restart_walk(&mut self, before_ut: Vector3<f64>, variance_ut2: f64) {
-        self.walked_before_ut = before_ut;
-        self.walk_began_ut2 = variance_ut2;
-        self.walked_ut = Vector3::zeros();
-        self.walked_s = 0.0;
+        self.local_ut = grown_ut.clamp(tuning.local_least_ut, tuning.local_most_ut);
     }
 }
 

@@ -1,20 +1,19 @@
 //! While samples do not fit: the hypotheses begin, run, and end.
 //!
 //! ```text
-//! device     the filter goes on as `device`; told, if b moved by half of the least step
+//! device     the filter goes on as `device`, on `probation`; told, if b moved by half of the least step
 //! place      told; the filter stays as it was, for 30 s or until the samples fit it again
 //! new place  the filter goes on as `place`, and the Earth's field is carried beside it
 //! ```
 //! Source: docs/dev/METHOD-AIDED.md, Changes.
 
-use nalgebra::Vector3;
-
 use super::Aided;
 use super::earth::Earth;
 use super::events::{Trial, Verdict};
 use super::phase::Phase;
+use super::probation::Probation;
 use super::quarantine::Quarantine;
-use super::state::{CALIBRATION, Filter};
+use super::state::Filter;
 use super::step::Step;
 use crate::reading::{Event, EventKind};
 
@@ -40,15 +39,19 @@ impl Aided {
         let event = |kind| Some(Event { kind, since_ns, decided_ns: step.time_ns });
         match verdict {
             Verdict::Device => {
-                self.bursts.was_the_device();
-                if let Some(kind) = trial.device_event(&running.filter, &self.tuning) {
-                    self.event = event(kind);
-                    self.former = self.tuning.recall.then(|| running.filter.marginal(CALIBRATION));
-                }
+                let told = trial.device_event(&running.filter, &self.tuning).and_then(event);
+                let probation = Probation::new(running, told, since_ns);
+                // after a pause, or a change of the place, the filter as it was is nothing to go back to
+                let is_told_at_once = trial.is_blind || trial.was_place || !self.tuning.probation;
                 if trial.was_place {
                     running.carry_earth(since_ns, &self.tuning);
                 }
-                return self.go_on_with(|trial| trial.device);
+                self.probation = Some(probation);
+                self.go_on_with(|trial| trial.device);
+                if is_told_at_once {
+                    self.confirm(step.time_ns);
+                }
+                return;
             }
             Verdict::Unchanged => {
                 self.bursts.was_the_place();
@@ -82,10 +85,21 @@ impl Aided {
         }
     }
 
+    /// A change that is on probation has held, or nothing more will be seen of it: it is told.
+    pub(super) fn confirm(&mut self, time_ns: i64) {
+        let Some(probation) = self.probation.take() else { return };
+        self.bursts.was_the_device();
+        let Some(now) = self.phase.running().map(|it| &it.filter) else { return };
+        if let Some((told, event)) = probation.held(now, self.told, time_ns, &self.tuning) {
+            self.told = Some(told);
+            self.event = event.or(self.event);
+            self.former = self.tuning.recall.then(|| probation.former());
+        }
+    }
+
     /// A hypothesis has won: it is the filter from here on.
     fn go_on_with(&mut self, winner: fn(Trial) -> Filter) {
         self.phase.decide(Some(winner));
         self.quarantine = Quarantine::default();
-        self.adaptation.restart_walk(Vector3::zeros(), f64::MAX);
     }
 }

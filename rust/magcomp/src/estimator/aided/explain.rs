@@ -35,7 +35,7 @@ impl Aided {
             noise: NoiseLevels {
                 white_ut: Some(self.adaptation.sample.sigma_ut()),
                 local_ut: Some(self.adaptation.local_ut),
-                hard_iron_walk_ut: Some(self.adaptation.walk_ut),
+                hard_iron_walk_ut: Some(self.tuning.offset_walk_ut),
                 delay_s: filter.map(|filter| filter.part(DELAY).x),
                 delay_sigma_s: filter.map(|filter| filter.own(DELAY).x.sqrt()),
                 gyroscope_bias_rad_s: Some(self.gyroscope().0),

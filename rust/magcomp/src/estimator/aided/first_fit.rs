@@ -150,11 +150,6 @@ impl FirstFit {
             self.answer = self.fit(step.sigma_ut.powi(2), up, tuning);
         }
         if is_full {
-            // more than a place leaves, less than another unit does: the device may have changed meanwhile
-            let changed_ut2 = (0.5 * tuning.smallest_step_ut).powi(2)..STRONGEST_AXIS_UT.powi(2);
-            if tuning.forget && changed_ut2.contains(&self.misfit_ut2) {
-                self.groups.forget();
-            }
             self.groups.close();
         }
     }
@@ -273,7 +268,7 @@ fn is_plausible(x: &Vector, prior: &Prior, has_offset: bool) -> bool {
 
 /// Variance per axis of the field of a place, of which the latest fit left so much, times the seconds over which it is correlated, uT^2 s.
 fn place_ut2_s(misfit_ut2: f64, tuning: &Tuning) -> f64 {
-    if tuning.unevenness { (tuning.place_ut.powi(2) + misfit_ut2) * tuning.local_time_s } else { 0.0 }
+    if tuning.unevenness { (tuning.place_ut.powi(2) + misfit_ut2) * tuning.group_s } else { 0.0 }
 }
 
 /// Variance of the direction of `h`: about `up` where it is known, of the worst axis else, rad^2.

@@ -8,11 +8,11 @@
 //! ```
 
 use super::Aided;
-use super::measure::NONE;
+use super::measure::{Innovation, NONE};
 use super::phase::Phase;
 use super::propagate::ProcessNoise;
 use super::running::Running;
-use super::state::{DELAY, FIELD, HARD_IRON, LOCAL};
+use super::state::{DELAY, FIELD, LOCAL};
 use super::step::Step;
 use crate::estimator::answer::Answer;
 use crate::explanation::{InnovationTest, SampleUse};
@@ -31,7 +31,7 @@ impl Aided {
             Phase::Starting(_) => self.collect(step),
             Phase::Running(_) | Phase::Undecided(..) => self.learn(step),
         }
-        if let Phase::Running(running) | Phase::Undecided(running, _) = &mut self.phase {
+        if let Some(running) = self.phase.running_mut() {
             // after the first sample of a new chain of rotations: the field is as strong as it was before
             if let Some(strength_ut) = running.lost_strength_ut.take() {
                 running.filter.update_strength(strength_ut, self.tuning.adopt_sd_ut.powi(2));
@@ -64,8 +64,8 @@ impl Aided {
 
     /// The filter's part of one sample.
     fn learn(&mut self, step: &Step<'_>) {
-        let (Phase::Running(running) | Phase::Undecided(running, _)) = &mut self.phase else { return };
-        if step.dt_s > self.tuning.walk_s {
+        let Some(running) = self.phase.running_mut() else { return };
+        if step.dt_s > self.tuning.gap_s {
             running.drift(step.dt_s, &self.tuning);
         }
         let filter = &mut running.filter;
@@ -102,51 +102,28 @@ impl Aided {
         });
     }
 
-    /// The filter's part of a frame.
+    /// The filter's part of a frame: predict, test, then decide between hypotheses or absorb it.
     fn learn_whole(&mut self, step: &Step<'_>) {
         let is_open = self.phase.trial().is_some();
-        let (Phase::Running(running) | Phase::Undecided(running, _)) = &mut self.phase else { return };
-        let filter = &mut running.filter;
-        let x = filter.parts();
-        let turn = Turn::by(&-x.turned(step.increment_rad, step.dt_s));
-        filter.spread(&turn, step.increment_rad, step.dt_s, &step.noise);
-        let raw_ut = (!step.is_blank).then_some(step.raw_ut);
-        let memory_s = self.tuning.settled_s;
-        self.adaptation.mean.step(raw_ut, &x, &turn.rotation, step.dt_s, memory_s, &self.tuning);
-        self.quarantine.turn(step);
-        self.judged = Some((SampleUse::Unused, None));
+        if self.probation.as_mut().is_some_and(|it| it.step(step, &self.tuning)) && !is_open {
+            self.confirm(step.time_ns);
+        }
+        self.predict(step);
         if step.is_blank {
             if let Phase::Undecided(_, trial) = &mut self.phase {
                 trial.turn(step);
             }
             return;
         }
-        let Some(innovation) = filter.innovation(step, &self.tuning) else { return };
-        // the local deviation swallows what changes slowly: beyond what is left to a place, it is none
-        let local_ut = filter.part(LOCAL);
-        let gated = innovation.nis > self.tuning.gate
-            || self.tuning.local_gate
-                && local_ut.norm_squared() > self.tuning.gate * self.adaptation.largest_local_ut2(&self.tuning);
-        let unexplained_ut = innovation.v + local_ut;
-        let field = filter.part(FIELD);
-        let former = self.former.as_ref().map(|f| f.residual(step.raw_ut, &field));
-        running.watch.step(step, gated.then_some(&unexplained_ut), former, is_open, &self.tuning);
-        if !step.resting {
-            self.bursts.pass(gated, step.dt_s, &self.tuning);
-        }
-        if let Some(variance) = step.bias_variance {
-            filter.update_bias(step.rate_rad_s, variance);
-        }
+        let Some((innovation, is_gated)) = self.test(step, is_open) else { return };
+        let Some(running) = self.phase.running_mut() else { return };
         // after a pause it is not known where the field points: both are tried
         let is_blind = running.lost_strength_ut.is_some();
-        let usage = if step.resting {
-            SampleUse::AtRest
-        } else if is_open || is_blind {
-            SampleUse::Compared
-        } else if gated {
-            SampleUse::Gated
-        } else {
-            SampleUse::Used
+        let usage = match (step.resting, is_open || is_blind, is_gated) {
+            (true, ..) => SampleUse::AtRest,
+            (_, true, _) => SampleUse::Compared,
+            (.., true) => SampleUse::Gated,
+            _ => SampleUse::Used,
         };
         let told = InnovationTest {
             innovation_ut: innovation.v,
@@ -157,29 +134,81 @@ impl Aided {
         if is_blind && !is_open {
             running.watch.begin(step.time_ns, innovation.v.norm());
             self.begin_trial(true);
-            return self.run_trial(step);
         }
-        if is_open {
+        if is_open || is_blind {
             return self.run_trial(step);
         }
         if usage == SampleUse::Used {
-            let before_ut = filter.part(HARD_IRON);
-            filter.update(&innovation, NONE);
-            let variance_ut2 = filter.variances(HARD_IRON).sum();
-            let correction_ut = filter.part(HARD_IRON) - before_ut;
-            self.adaptation.walk(&correction_ut, variance_ut2, step.dt_s, &self.tuning);
-            let x = filter.parts();
-            if let Some((_, still)) = x.corrected(step.raw_ut) {
-                let late_rad = x.true_rate(&step.delayed_rad_s) * (x.delay + step.late_s);
-                let difference_ut = Turn::by(&-late_rad).rotation * still - x.field;
-                self.adaptation.uneven(&difference_ut, step.dt_s, &self.tuning);
-            }
+            self.absorb(step, &innovation);
         }
-        if usage != SampleUse::AtRest {
+        if !step.resting {
             self.adaptation.local(&innovation, step.motion, step.dt_s, &self.tuning);
         }
+        self.look_at_misfits(step);
+    }
+
+    /// What is known follows the device's turn.
+    fn predict(&mut self, step: &Step<'_>) {
+        self.judged = Some((SampleUse::Unused, None));
+        let Some(running) = self.phase.running_mut() else { return };
+        let filter = &mut running.filter;
+        let x = filter.parts();
+        let turn = Turn::by(&-x.turned(step.increment_rad, step.dt_s));
+        filter.spread(&turn, step.increment_rad, step.dt_s, &step.noise);
+        let raw_ut = (!step.is_blank).then_some(step.raw_ut);
+        let memory_s = self.tuning.settled_s;
+        self.adaptation.mean.step(raw_ut, &x, &turn.rotation, step.dt_s, memory_s, &self.tuning);
+        self.quarantine.turn(step);
+    }
+
+    /// The innovation of a frame, and whether it is none that the filter expects. `None` where it cannot be formed.
+    fn test(&mut self, step: &Step<'_>, is_open: bool) -> Option<(Innovation, bool)> {
+        let running = self.phase.running_mut()?;
+        let filter = &mut running.filter;
+        let innovation = filter.innovation(step, &self.tuning)?;
+        // a slow change hides in d: once d is larger than a place explains, it is a misfit
+        let local_ut = filter.part(LOCAL);
+        let most_ut2 = self.tuning.gate * self.adaptation.largest_local_ut2(&self.tuning);
+        let is_gated =
+            innovation.nis > self.tuning.gate || self.tuning.local_gate && local_ut.norm_squared() > most_ut2;
+        let unexplained_ut = innovation.v + local_ut;
+        let former = self.former.as_ref().map(|f| f.residual(step.raw_ut, &filter.part(FIELD)));
+        running.watch.step(step, is_gated.then_some(&unexplained_ut), former, is_open, &self.tuning);
+        if !step.resting {
+            self.bursts.pass(is_gated, step.dt_s, &self.tuning);
+        }
+        if let Some(variance) = step.bias_variance {
+            filter.update_bias(step.rate_rad_s, variance);
+        }
+        Some((innovation, is_gated))
+    }
+
+    /// Corrects the filter by a frame that fits, and `up` and the noise levels by what that teaches.
+    fn absorb(&mut self, step: &Step<'_>, innovation: &Innovation) {
+        let Phase::Running(Running { filter, .. }) = &mut self.phase else { return };
+        let carried = filter.part(FIELD);
+        filter.update(innovation, NONE);
+        let corrected = filter.part(FIELD);
+        let field_ut2 = filter.variances(FIELD).sum() / 3.0 * self.adaptation.factor(step, &self.tuning)
+            + self.adaptation.followed_ut2(&self.tuning);
+        let turn_rad = carried.cross(&corrected) / corrected.norm_squared();
+        self.motion.follow(&turn_rad, field_ut2 / corrected.norm_squared(), &self.tuning);
+        let x = filter.parts();
+        if let Some((_, still)) = x.corrected(step.raw_ut) {
+            let late_rad = x.true_rate(&step.delayed_rad_s) * (x.delay + step.late_s);
+            let c = Turn::by(&-late_rad).rotation * still;
+            self.adaptation.uneven(&(c - x.field), step.dt_s, &self.tuning);
+        }
+    }
+
+    /// Where many samples of late were misfits what was learned last is taken back, and the hypotheses begin.
+    fn look_at_misfits(&mut self, step: &Step<'_>) {
+        let Phase::Running(running) = &mut self.phase else { return };
         if running.watch.share > self.tuning.suspect_share {
-            if self.tuning.quarantine
+            if let Some(probation) = self.probation.take() {
+                probation.take_back(running);
+                self.bursts.was_the_place();
+            } else if self.tuning.quarantine
                 && !step.resting
                 && let Some(proven) = self.quarantine.take_back(&step.noise)
             {

@@ -1,7 +1,8 @@
 //! The aided estimator: gyroscope and gravity beside the magnetometer.
 //!
 //! One file an idea: `state` · `propagate` · `measure` · `adapt` (noise) · `motion` (rest, up) · `earth` (in a new place) · `watch` (samples that do
-//! not fit) · `turned` (over several samples) · `quarantine`, `bursts` (magnets that are passed) · `recent` (delay) · `events` (hypotheses) ·
+//! not fit) · `turned` (over several samples) · `quarantine`, `bursts` (magnets that are passed) · `recent` (delay) · `events` (hypotheses),
+//! `probation` (what has won, until it has held) ·
 //! `first_fit`, `batch`, `groups` · `running` (filter) · `phase` (start, filter, hypotheses: one owner) · `start` · one sample: `step`, `sense`,
 //! `learn`, `decide`, `publish` · `explain` (for people). The derivation is in docs/dev/METHOD-AIDED.md.
 
@@ -18,6 +19,7 @@ mod learn;
 mod measure;
 mod motion;
 mod phase;
+mod probation;
 mod propagate;
 mod publish;
 mod quarantine;
@@ -52,6 +54,7 @@ use earth::Earth;
 use first_fit::FirstFit;
 use motion::Motion;
 use phase::Phase;
+use probation::{Probation, Told};
 use quarantine::Quarantine;
 use recent::Recent;
 use state::{BIAS, CALIBRATION, DELAY, FIELD, FIELD_AND_CALIBRATION, Filter, HARD_IRON};
@@ -76,6 +79,8 @@ pub(crate) struct Aided {
     covariances: Option<[Matrix3<f64>; 2]>,
     motion: Motion,
     former: Option<Former>,
+    probation: Option<Probation>,
+    told: Option<Told>,
     event: Option<Event>,
     /// Seconds since the chain of rotations began, and whether there was one before.
     chain_s: f64,
@@ -99,6 +104,8 @@ impl Aided {
             covariances: None,
             motion: Motion::new(),
             former: None,
+            probation: None,
+            told: None,
             event: None,
             chain_s: 0.0,
             was_broken: false,

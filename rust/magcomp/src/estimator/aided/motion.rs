@@ -6,7 +6,11 @@
 //! s += (dt / T_0) (accelerometer / G - up - s),   l += (dt / T_0) (s - l),   L = mean |s - l|^2 across up,   T_0 = 5 s
 //! D^2 = s_g^2 + P_ss |net rate|^2,   N^2: variance a second of what the gyroscope did between its events
 //! T = max(T_0, min(cbrt(L T_0 / (2 D^2)), sqrt(L T_0) / N)),   sigma_tilt^2 = L T_0 / T + D^2 T^2 + N^2 T + |l|^2 across up / 2
+//! C = sigma_tilt^2 p / (sigma_tilt^2 + p) / 2                what the errors of `up` and of m have in common, for a variance p of m's direction per axis
+//! up <- up + (C / p) turn x up                              when samples turn m
 //! ```
+//! Two sums of one noise of density q that leak over T_u and T_m have variances q T / 2 and the covariance q T_u T_m / (T_u + T_m). At the best T half of
+//! sigma_tilt^2, and of p, is the gyroscope's, so that q T_u = sigma_tilt^2 and q T_m = p; half of that covariance is counted, as both have other parts.
 //! Averaged over T, what lasts of the motion leaves L T_0 / T in `up`; the gyroscope tilts it by D T and N sqrt(T) meanwhile. What lasts longer, l, is
 //! an error of `up` or of the accelerometer: it says nothing of the motion, so it is not in L. Source: docs/dev/METHOD-AIDED.md.
 
@@ -116,7 +120,7 @@ impl Motion {
         // at the start a plain mean
         self.up_age_s += dt_s;
         let share = |time_s: f64| gain(dt_s, time_s);
-        self.felt += (reads - self.felt) * share(tuning.local_time_s.min(self.up_age_s));
+        self.felt += (reads - self.felt) * share(tuning.felt_s.min(self.up_age_s));
         let time_s = (TILT_RAD / known.bias_sd_rad_s).max(0.5).min(tuning.settled_s).min(self.up_age_s);
         let drift_rad2_s2 = known.bias_sd_rad_s.powi(2) + known.axes_sd.powi(2) * self.net_rad_s.norm_squared();
         let density = self.leaning * tuning.settled_s;
@@ -137,6 +141,20 @@ impl Motion {
             + drift_rad2_s2 * up_time_s.powi(2)
             + 0.5 * across(&self.lasting);
         self.up = up.try_normalize(1e-6);
+    }
+
+    /// Samples have turned the carried field, whose direction is known to `field_rad2` per axis, by `turn_rad`: `up` has a part of that error.
+    pub(crate) fn follow(&mut self, turn_rad: &Vector3<f64>, field_rad2: f64, tuning: &Tuning) {
+        let share = self.common_rad2(field_rad2, tuning) / field_rad2;
+        self.up = self.up.and_then(|up| (up + turn_rad.cross(&up) * share).try_normalize(1e-6));
+    }
+
+    /// C, for a variance per axis of the carried field's direction, rad^2.
+    pub(crate) fn common_rad2(&self, field_rad2: f64, tuning: &Tuning) -> f64 {
+        if !tuning.follow || field_rad2 <= 0.0 {
+            return 0.0;
+        }
+        tuning.common_share * self.tilt_rad2 * field_rad2 / (self.tilt_rad2 + field_rad2)
     }
 
     /// The gyroscope is gone: nothing is known about motion; `up` is the accelerometer's.

@@ -32,6 +32,13 @@ impl Phase {
         }
     }
 
+    pub(super) fn running_mut(&mut self) -> Option<&mut Running> {
+        match self {
+            Self::Starting(_) => None,
+            Self::Running(running) | Self::Undecided(running, _) => Some(running),
+        }
+    }
+
     /// The filter, or what a start knows so far.
     pub(super) fn known(&self) -> Option<&Filter> {
         if let Self::Starting(first) = self { first.answer.as_ref() } else { self.running().map(|it| &it.filter) }

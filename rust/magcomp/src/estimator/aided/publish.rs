@@ -42,6 +42,8 @@ impl Aided {
         let (c, f) = (Gaussian { mean: c, covariance: p_c }, Gaussian { covariance: p_f, ..f });
         let mut answer = self.answer(filter, c, Some(f))?;
         answer.tilt_rad2 = Some(self.motion.tilt_rad2);
+        answer.common_rad2 =
+            self.motion.common_rad2(p_f.trace() / 3.0 / filter.part(FIELD).norm_squared(), &self.tuning);
         Some(answer)
     }
 

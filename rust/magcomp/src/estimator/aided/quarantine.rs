@@ -42,7 +42,7 @@ impl Quarantine {
     /// The filter after a sample that fits.
     pub(super) fn learned(&mut self, filter: &Filter, dt_s: f64, tuning: &Tuning) {
         self.age_s += dt_s;
-        if self.age_s > tuning.local_time_s || self.pending.is_none() {
+        if self.age_s > tuning.quarantine_s || self.pending.is_none() {
             self.age_s = 0.0;
             let way = core::mem::take(&mut self.since);
             self.proven = self.pending.take().map(|filter| (filter, way));

@@ -46,7 +46,7 @@ impl Running {
     /// No sample is seen for so long: the hard iron drifts, up to what a first sample says of it.
     pub(super) fn drift(&mut self, dt_s: f64, tuning: &Tuning) {
         let room_ut2 = STRONGEST_AXIS_UT.powi(2) - self.filter.variances(HARD_IRON).sum() / 3.0;
-        let walk_ut2 = tuning.largest_walk_ut.powi(2) * dt_s;
+        let walk_ut2 = tuning.gap_walk_ut.powi(2) * dt_s;
         self.filter.add_variance(HARD_IRON, walk_ut2.min(room_ut2).max(0.0));
     }
 }

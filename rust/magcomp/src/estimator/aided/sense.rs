@@ -2,7 +2,6 @@
 //!
 //! ```text
 //! turn = (I - S) increment - g dt      with what is known of g and S so far
-//! walk of b: the least at rest, what is learned in full motion
 //! ```
 
 use crate::math::elementary::hypot;
@@ -41,14 +40,11 @@ impl Aided {
         let seen = (!is_blank).then_some(raw_ut);
         self.adaptation.sample.step(seen, &known.x, &turn, dt_s, tuning.memory_s, tuning);
         let motion = self.motion.amount(tuning);
-        // warming goes on at rest; what else is learned shows in motion only
-        let least_ut2 = tuning.offset_walk_ut.powi(2);
-        let walk_ut2 = least_ut2 + (self.adaptation.walk_ut.powi(2) - least_ut2) * motion;
         let noise = ProcessNoise {
             bridged_rad2: rotation.variance_rad2,
-            offset_ut: if tuning.hard_iron_walk { walk_ut2.sqrt() } else { 0.0 },
+            offset_ut: if tuning.hard_iron_walk { tuning.offset_walk_ut } else { 0.0 },
             local_ut: hypot(self.adaptation.local_ut, self.bursts.left_ut2(tuning).sqrt()),
-            local_time_s: tuning.local_time_s,
+            local_time_s: tuning.place_correlation_s,
         };
         let rest_sd_rad_s = tuning.unknown_bias_rad_s() * (SAMPLE_S / dt_s).sqrt();
         let delayed_rad_s = self.recent.mean_rad_s(known.x.delay + late_s).filter(|_| tuning.recent);

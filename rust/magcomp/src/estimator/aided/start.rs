@@ -49,6 +49,9 @@ impl Aided {
 
     /// No usable rotation for this sample: the first one, a gap, or no gyroscope.
     pub(super) fn without_rotation(&mut self, raw_ut: &Vector3<f64>, up: Option<Vector3<f64>>, dt_s: f64) {
+        if let Some(time_ns) = self.last_ns {
+            self.confirm(time_ns);
+        }
         self.was_broken |= self.chain_s > 0.0;
         self.chain_s = 0.0;
         self.judged = Some((SampleUse::NoRotation, None));
@@ -62,7 +65,7 @@ impl Aided {
             Phase::Starting(first) => self.begin(first.given),
             Phase::Running(mut running) | Phase::Undecided(mut running, _) => {
                 running.drift(dt_s, &self.tuning);
-                if dt_s > self.tuning.walk_s {
+                if dt_s > self.tuning.gap_s {
                     // the filter's calibration, which may have changed in a pause
                     let field_ut = || running.filter.part(FIELD).norm();
                     let strength_ut = running.lost_strength_ut.unwrap_or_else(field_ut);

@@ -18,22 +18,32 @@ choices! {
         bias_sd_rad_s: 0.05, "rad/s", "phones were found with up to 0.095";
         /// Scale error of a gyroscope's axis, and how far it is off, before anything is known
         axes_sd: 0.01, "", "data sheets: 1 to 2 % of scale and across axes";
-        /// Least random walk of the hard iron, at rest and in motion
+        /// Random walk of the hard iron, at rest and in motion
         offset_walk_ut: 0.08, "uT/s^0.5", "0.6 uT in a minute; families";
-        /// Time over which corrections of the hard iron are gathered to see whether they go one way; a longer gap between samples lets it drift
-        walk_s: 0.5 * SETTLED_S, "s", "families";
-        /// Largest random walk of the hard iron, and that in a gap
-        largest_walk_ut: 1.2, "uT/s^0.5", "5 uT in 20 s: a cover, an app that ends";
+        /// A gap between samples that is longer lets the hard iron drift, and breaks off the first fit
+        gap_s: 0.5 * SETTLED_S, "s", "families";
+        /// Random walk of the hard iron in a gap
+        gap_walk_ut: 1.2, "uT/s^0.5", "5 uT in 20 s: a cover, an app that ends";
         /// Magnetometer noise at the start, per axis
         noise_start_ut: NOISE_UT, "uT", "data sheets";
-        /// Correlation time of the local field: along a walk; of a group of a start; of the accelerometer's average, as the world sees it; and for this
-        /// long, or up to twice, what was learned before a misfit is taken back, as a magnet's field grows while it is neared
-        local_time_s: 2.0 * STEP_S, "s", "two steps";
+        /// Correlation time of the local field along a walk. Longer: slow changes of the hard iron are taken for the place's
+        place_correlation_s: 3.0 * STEP_S, "s", "quiet walks with motion capture: 0.46 after 1 s, 0.18 after 2 s";
+        /// Correlation time of the place from one group of a start to the next
+        group_s: 2.0 * STEP_S, "s", "two steps";
+        /// For so long, or up to twice, what was learned before a misfit is taken back, as a magnet's field grows while it is neared
+        quarantine_s: 2.0 * STEP_S, "s", "two steps";
+        /// The accelerometer's average, as the world sees it, that `up` is drawn to
+        felt_s: 2.0 * STEP_S, "s", "two steps";
         /// Standard deviation of the field of a place during a start, correlated over a second; what a fit leaves adds to it
         place_ut: 0.3, "uT", "between the quiet recordings (0.15) and rooms with motion capture (2.1): what a fit leaves adds to it";
         /// Standard deviation of the local field, and of the slow difference between c and f, at the start; and the largest: above it an anomaly
         /// would be swallowed instead of declared
         local_most_ut: ROOM_UT, "uT", "priors";
+        /// Least standard deviation of the local field: no room is even. Smaller: the heading follows the room; larger: a slow change of the hard
+        /// iron is taken for it
+        local_least_ut: 0.8, "uT", "four of five quiet walks with motion capture have 1.0 or more sideways";
+        /// Time over which the slow difference between c and f is averaged to see what lasts
+        lasting_s: 0.5 * SETTLED_S, "s", "families";
         /// Weight of the slow innovation against NIS: it has a fiftieth of the independent samples, but is where s_d shows
         slow_weight: 0.15, "", "families";
         /// Unevenness up to which the field of a place averages out along a walk
@@ -54,6 +64,11 @@ choices! {
         gate: OUTLYING * OUTLYING, "", "one good sample in 900";
         /// Share of gated samples from which the status is suspect and the hypotheses start
         suspect_share: 0.2, "", "0.11 s of nothing but gated samples";
+        /// A change of the device that has won is told, and kept, once samples have fitted it for so long in motion. Shorter: a magnet that is passed is
+        /// told; longer: a change is told later
+        probation_s: 3.0 * STEP_S, "s", "boards with motion capture: false changes stop fitting within a second";
+        /// Share of the error that field and vertical have in common by the gyroscope, of what they would have were all of both its doing
+        common_share: 0.5, "", "quiet phones with motion capture: within two sigmas .77 at least; with 1 .65";
         /// Least size of a step; less than half of it is no misfit of a former calibration, nor of a start, nor an event
         smallest_step_ut: 2.0 * LEAST_TOLD_UT, "uT", "a cover";
         /// A change takes up to this long: meanwhile the hypotheses let their unknown walk by the least size of a step and are not compared
@@ -95,10 +110,12 @@ choices! {
         noise_learning;
         /// Learning of the local field's size: s_d
         local_learning;
-        /// Learning of the walk of b: q_b
-        walk_learning;
         /// What sigma has for a field that the filter follows: rho and G
         followed;
+        /// A change of the device is told once it has held
+        probation;
+        /// `up` follows what the field teaches of the gyroscope
+        follow;
         /// A local field beyond what is left to a place is a misfit
         local_gate;
         /// The second-order term of the innovation's covariance
@@ -117,8 +134,6 @@ choices! {
         feigned;
         /// First fit: what is unlikely beforehand is none
         plausible;
-        /// First fit: the oldest groups go where a device may have changed
-        forget;
     }
 }
 

@@ -83,56 +83,6 @@ fn samples_and_means_of_frames_are_learned_apart() {
     assert!(close(adaptation.sample.sigma_ut().powi(2), sample) && close(adaptation.mean.sigma_ut().powi(2), mean));
 }
 
-/// Two windows of half a second in which b goes the same way: the product of the two, and what P grew by, in three axes and the time.
-#[test]
-fn a_walk_is_what_corrections_of_two_windows_have_in_common() {
-    let tuning = Tuning::default();
-    let dt_s = 0.51 * tuning.walk_s;
-    let window_s = 2.0 * dt_s;
-    let least = tuning.offset_walk_ut.powi(2);
-    for (second_ut, grown_ut2, seen) in [
-        // 0.2 . 0.4 and -> within nine fold of 0.08^2
-        (Vector3::new(0.2, 0.0, 0.0), 0.0, Some(0.08 / (3.0 * window_s))),
-        (Vector3::new(0.2, 0.0, 0.0), 0.02, Some(0.10 / (3.0 * window_s))),
-        (Vector3::new(0.2, 0.0, 0.0), -0.02, Some(0.08 / (3.0 * window_s))),
-        (Vector3::new(2.0, 0.0, 0.0), 0.0, Some(9.0 * least)),
-        // across or back: none, and it is at its least already
-        (Vector3::new(0.0, 5.0, 0.0), 0.0, None),
-        (Vector3::new(-5.0, 0.0, 0.0), 0.0, None),
-    ] {
-        let mut adaptation = Adaptation::new(&tuning);
-        adaptation.restart_walk(NOTHING, 1.0);
-        for half_ut in [Vector3::new(0.1, 0.0, 0.0); 2] {
-            assert_eq!(adaptation.walk_ut, tuning.offset_walk_ut);
-            adaptation.walk(&half_ut, 1.0, dt_s, &tuning);
-        }
-        assert_eq!(adaptation.walk_ut, tuning.offset_walk_ut);
-        assert_eq!((adaptation.walked_before_ut, adaptation.walked_s), (Vector3::new(0.2, 0.0, 0.0), 0.0));
-        for half_ut in [second_ut; 2] {
-            adaptation.walk(&half_ut, 1.0 + grown_ut2, dt_s, &tuning);
-        }
-        let expected =
-            seen.map_or(least, |seen| least + window_s / tuning.settled_s * (seen - least)).max(least).sqrt();
-        assert!(close(adaptation.walk_ut, expected), "{second_ut}: {} for {expected}", adaptation.walk_ut);
-        assert_eq!(adaptation.walk_began_ut2, 1.0 + grown_ut2);
-    }
-}
-
-#[test]
-fn the_walk_stays_within_its_largest() {
-    let tuning = Tuning::default();
-    let mut adaptation = Adaptation::new(&tuning);
-    for _ in 0..400 {
-        adaptation.walk(&Vector3::x(), 0.0, tuning.walk_s, &tuning);
-    }
-    // a microtesla a window: (1 / (3 * 2.5 s))^0.5 a root second
-    assert!((adaptation.walk_ut - (1.0 / (3.0 * tuning.walk_s)).sqrt()).abs() < 1e-3, "{}", adaptation.walk_ut);
-    for _ in 0..400 {
-        adaptation.walk(&(Vector3::x() * 100.0), 0.0, tuning.walk_s, &tuning);
-    }
-    assert_eq!(adaptation.walk_ut, tuning.largest_walk_ut);
-}
-
 /// c and f differ by a constant: every low-pass ends there.
 #[test]
 fn a_steady_unevenness_is_seen_in_full() {
@@ -142,8 +92,8 @@ fn a_steady_unevenness_is_seen_in_full() {
     for _ in 0..4_000 {
         adaptation.uneven(&off_ut, DT_S, &tuning);
     }
-    // 3 uT^2 an axis; of what has lasted 1 + 2.5 s / 1 s as much is expected
-    let lasts = 1.0 + tuning.walk_s / tuning.local_time_s;
+    // 3 uT^2 an axis; of what has lasted 1 + 2.5 s / 1.5 s as much is expected
+    let lasts = 1.0 + tuning.lasting_s / tuning.place_correlation_s;
     let uneven_ut2 = 3.0 * lasts;
     assert!((adaptation.uneven_ut2(&tuning) / uneven_ut2 - 1.0).abs() < 1e-9);
     let unexplained = uneven_ut2 - tuning.local_most_ut.powi(2);
@@ -158,7 +108,7 @@ fn a_steady_unevenness_is_seen_in_full() {
     }
     assert!((adaptation.followed_ut2(&tuning) - 2.0 * (uneven_ut2 - tuning.even_ut.powi(2))).abs() < 1e-6);
     // the densities' ratio, where the filter expects 0.5 uT, and 20
-    let density = |local_ut2: f64| 2.0 * tuning.local_time_s * local_ut2 + 0.25 * DT_S;
+    let density = |local_ut2: f64| 2.0 * tuning.place_correlation_s * local_ut2 + 0.25 * DT_S;
     let expected = density(uneven_ut2) / density(0.25);
     assert!((adaptation.factor(&step(0.5), &tuning) / expected - 1.0).abs() < 1e-6);
     assert_eq!(adaptation.factor(&step(20.0), &tuning), 1.0);
@@ -180,7 +130,7 @@ fn unevenness_is_a_plain_mean_at_first_and_then_of_five_seconds() {
     let before = tuning.even_ut.powi(2);
     let share = DT_S / (tuning.quick_s + DT_S);
     assert!(close(adaptation.power_ut2, before + share * (9.0 * before - before)), "{}", adaptation.power_ut2);
-    assert!(close(adaptation.lasting_ut.x, 30.0 * DT_S / tuning.walk_s));
+    assert!(close(adaptation.lasting_ut.x, 30.0 * DT_S / tuning.lasting_s));
     assert!(close(adaptation.slow_age_s, tuning.quick_s + DT_S));
     adaptation.slow_age_s = 100.0;
     let before = adaptation.power_ut2;

@@ -69,7 +69,7 @@ fn a_copy_is_brought_to_now_as_a_filter_that_went_along() {
         quarantine.turn(&step(&increment_rad));
         // two copies: the way goes on from the first to the second
         let is_due = k == 70;
-        quarantine.learned(&Filter::default(), if is_due { 2.0 * tuning.local_time_s } else { 0.0 }, &tuning);
+        quarantine.learned(&Filter::default(), if is_due { 2.0 * tuning.quarantine_s } else { 0.0 }, &tuning);
     }
     let brought = quarantine.take_back(&NOISE).expect("a copy");
     let off_ut = (brought.part(FIELD) - along.part(FIELD)).norm();

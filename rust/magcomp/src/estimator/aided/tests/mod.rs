@@ -5,6 +5,7 @@ mod jacobians;
 mod magnets;
 mod mechanisms;
 mod motion;
+mod probation;
 mod robustness;
 mod sigma;
 mod simulator;

@@ -1,0 +1,84 @@
+//! A change of the device that has won is in force at once, and told once it has gone on to fit: half a second of any smooth field is fitted by twelve
+//! free numbers, and what tells a magnet that is passed from one that was put on is the next second.
+//!
+//! ```text
+//! the filter as it was is predicted beside the new one for 1.5 s of motion
+//! samples stop fitting the new one:  back to it, the change was the place's        they go on:  the change is told
+//! a change that follows one within 5 s, b moving on the same way, is that one: a slide is told once
+//! ```
+//! Source: docs/dev/METHOD-AIDED.md, Changes.
+
+use nalgebra::Vector3;
+
+use super::running::Running;
+use super::state::{CALIBRATION, Filter, HARD_IRON};
+use super::step::Step;
+use super::tuning::Tuning;
+use super::watch::Former;
+use crate::reading::Event;
+use crate::sample::seconds;
+
+/// The filter as it was before the change, to go back to, and what is told if it holds.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub(super) struct Probation {
+    filter: Filter,
+    event: Option<Event>,
+    since_ns: i64,
+    has_earth: bool,
+    /// Seconds of motion.
+    age_s: f64,
+}
+
+/// The latest change of the device that was told: when, and how b moved.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub(super) struct Told {
+    time_ns: i64,
+    moved_ut: Vector3<f64>,
+}
+
+impl Probation {
+    pub(super) fn new(before: &Running, event: Option<Event>, since_ns: i64) -> Self {
+        Self { filter: before.filter.clone(), event, since_ns, has_earth: before.earth.is_some(), age_s: 0.0 }
+    }
+
+    /// One frame; whether the change has held.
+    pub(super) fn step(&mut self, step: &Step<'_>, tuning: &Tuning) -> bool {
+        self.filter.propagate(step.increment_rad, step.dt_s, &step.noise);
+        if let Some(variance) = step.bias_variance {
+            self.filter.update_bias(step.rate_rad_s, variance);
+        }
+        if !step.resting && !step.is_blank {
+            self.age_s += step.dt_s;
+        }
+        self.age_s > tuning.probation_s
+    }
+
+    /// Samples have stopped fitting.
+    pub(super) fn take_back(self, running: &mut Running) {
+        running.filter = self.filter;
+        running.watch.since_ns = self.since_ns;
+        running.earth.take_if(|_| !self.has_earth);
+    }
+
+    /// It has held: how b moved, and the event, if it is worth one and does not go on with the change that was told before.
+    pub(super) fn held(
+        &self,
+        now: &Filter,
+        before: Option<Told>,
+        time_ns: i64,
+        tuning: &Tuning,
+    ) -> Option<(Told, Option<Event>)> {
+        let event = self.event?;
+        let moved_ut = now.part(HARD_IRON) - self.filter.part(HARD_IRON);
+        let goes_on = before.is_some_and(|told| {
+            seconds(told.time_ns, event.since_ns) < tuning.settled_s && told.moved_ut.dot(&moved_ut) > 0.0
+        });
+        let event = (!goes_on).then_some(Event { decided_ns: time_ns, ..event });
+        Some((Told { time_ns, moved_ut }, event))
+    }
+
+    /// The calibration from before the change.
+    pub(super) fn former(&self) -> Former {
+        self.filter.marginal(CALIBRATION)
+    }
+}

@@ -1,0 +1,104 @@
+//! A change of the device is in force at once, told once it has held, and taken back where samples stop fitting it.
+
+use nalgebra::Vector3;
+
+use super::super::{Aided, Tuning};
+use super::simulator::World;
+use crate::reading::{Event, EventKind};
+
+const MAGNET_UT: Vector3<f64> = Vector3::new(20.0, -15.0, 10.0);
+
+fn settled(seed: u64) -> (World, Aided) {
+    let (mut world, mut aided) = (World::new(seed), Aided::new(Tuning::default(), None));
+    run(&mut world, &mut aided, 2_500);
+    (world, aided)
+}
+
+/// The events that were told.
+fn run(world: &mut World, aided: &mut Aided, samples: usize) -> Vec<Event> {
+    let mut told = Vec::new();
+    for _ in 0..samples {
+        let (before, sample) = (aided.event, world.sample(0.01));
+        aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        told.extend(aided.event.filter(|_| aided.event != before));
+    }
+    told
+}
+
+/// A magnet is put on; until that is on probation.
+fn on_probation(seed: u64) -> (World, Aided) {
+    let (mut world, mut aided) = settled(seed);
+    world.hard_iron_ut += MAGNET_UT;
+    for _ in 0..300 {
+        assert_eq!(run(&mut world, &mut aided, 1), []);
+        if aided.probation.is_some() {
+            return (world, aided);
+        }
+    }
+    panic!("seed {seed}: never on probation");
+}
+
+fn off_ut(world: &World, aided: &Aided) -> f64 {
+    (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm()
+}
+
+#[test]
+fn what_holds_is_told_after_its_time_in_motion_and_in_force_before() {
+    for seed in 70..74 {
+        let (mut world, mut aided) = on_probation(seed);
+        assert!(off_ut(&world, &aided) < 6.0, "{seed}: {}", off_ut(&world, &aided));
+        // a second and a half, by frames of four samples
+        assert_eq!(run(&mut world, &mut aided, 145), [], "{seed}");
+        let told = run(&mut world, &mut aided, 15);
+        assert_eq!(told.iter().map(|it| it.kind).collect::<Vec<_>>(), [EventKind::DeviceStep], "{seed}");
+        assert!(aided.probation.is_none() && aided.former.is_some(), "{seed}");
+    }
+}
+
+#[test]
+fn what_stops_fitting_meanwhile_is_taken_back_and_never_told() {
+    for seed in 70..74 {
+        let (mut world, mut aided) = on_probation(seed);
+        world.hard_iron_ut -= MAGNET_UT;
+        assert_eq!(run(&mut world, &mut aided, 600), [], "{seed}");
+        assert!(aided.probation.is_none() && aided.former.is_none(), "{seed}");
+        assert!(off_ut(&world, &aided) < 1.5, "{seed}: {}", off_ut(&world, &aided));
+    }
+}
+
+#[test]
+fn rest_proves_nothing() {
+    let (mut world, mut aided) = on_probation(71);
+    world.tumbling_rad_s = 0.0;
+    assert_eq!(run(&mut world, &mut aided, 500), []);
+    assert!(aided.probation.is_some());
+}
+
+#[test]
+fn a_chain_of_turns_that_breaks_ends_it() {
+    let (mut world, mut aided) = on_probation(72);
+    let mut sample = world.sample(0.01);
+    sample.inertial.rotation = None;
+    aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+    assert_eq!(aided.event.map(|it| it.kind), Some(EventKind::DeviceStep));
+    assert!(aided.probation.is_none());
+}
+
+/// 60 uT over four seconds; and off again at once, the other way.
+#[test]
+fn a_slide_is_told_once_and_its_end_is_another_change() {
+    for seed in 70..74 {
+        let (mut world, mut aided) = settled(seed);
+        let slid_ut = MAGNET_UT.normalize() * 60.0;
+        let mut told = Vec::new();
+        for _ in 0..400 {
+            world.hard_iron_ut += slid_ut / 400.0;
+            told.extend(run(&mut world, &mut aided, 1));
+        }
+        told.extend(run(&mut world, &mut aided, 1_000));
+        assert_eq!(told.len(), 1, "{seed}: {told:?}");
+        assert!(off_ut(&world, &aided) < 2.0, "{seed}: {}", off_ut(&world, &aided));
+        world.hard_iron_ut -= slid_ut;
+        assert_eq!(run(&mut world, &mut aided, 800).len(), 1, "{seed}");
+    }
+}
