@@ -53,6 +53,12 @@ cc -std=c99 -Wall -Wextra -Wpedantic -Werror c/examples/stream.c -o "$home/by-pk
 cc -std=c99 -Wall -Wextra -Wpedantic -Werror c/examples/stream.c -o "$home/by-pkg-config-static" $(by_pkg_config --cflags) \
     "$(by_pkg_config --variable=libdir)/libmagcomp.a" $(by_pkg_config --static --libs-only-other --libs-only-l | sed 's/-lmagcomp//')
 
+# a project that fetches the sources: the committed ones, but for what is being changed here
+sed -n '/^```cmake$/,/^```$/p' c/README.md | sed '1d;$d' | sed 's|https://github.com/[^ ]*|${REPOSITORY}|; s|GIT_TAG v[0-9.]*|GIT_TAG ${TAG}|' |
+    while IFS= read -r line; do grep -qxF -- "$line" c/tests/fetched/CMakeLists.txt || fail "c/README.md shows a line that c/tests/fetched does not have: $line"; done
+cmake -S c/tests/fetched -B "$home/fetched" -DMAGCOMP_TARGET_DIR="$home/build/cargo" -DFETCHCONTENT_SOURCE_DIR_MAGCOMP="$PWD" >/dev/null
+cmake --build "$home/fetched" | sed '/Built target/d; /^\[/d'
+
 # the README's code is the example
 sed -n '/^```c$/,/^```$/p' c/README.md | sed '1d;$d' | diff c/examples/stream.c - || fail "c/README.md shows another program than c/examples/stream.c"
 
@@ -79,6 +85,7 @@ for kind in magcomp static; do
     done
     "$native/examples/compass" <"$home/events.txt" 2>/dev/null | tr A-Z a-z | diff - <(tr A-Z a-z <"$home/stream.c") >/dev/null ||
         fail "$kind: the example in C says something else than rust/magcomp/examples/compass.rs"
+    "$home/fetched/stream_$kind" <"$home/events.txt" 2>/dev/null | diff - "$home/stream.cpp" >/dev/null || fail "$kind: fetched, the example says something else"
     [ "$(tail -n 1 "$home/stream.cpp")" = "$shown" ] || fail "$kind: README.md shows another last line: $shown"
     diff "$home/stream.c" "$home/stream.cpp" || fail "$kind: the example in C++ says something else than that in C"
 done

@@ -19,9 +19,14 @@ beside=(--features beside)
 [ -z "${PROFILE:-}" ] || beside=()
 PATH=$home/venv/bin:$PATH maturin build --quiet --locked --profile "${PROFILE:-dev}" ${beside[@]+"${beside[@]}"} --manifest-path python/Cargo.toml --out "$home/wheels"
 "$home/venv/bin/pip" install --quiet --no-compile --disable-pip-version-check --no-deps "$home"/wheels/magcomp-*.whl
+# as a user gets it: the wheel and what it asks for, nothing else
+python3 -m venv --clear "$home/clean"
+"$home/clean/bin/pip" install --quiet --no-compile --disable-pip-version-check "$home"/wheels/magcomp-*.whl
+(cd "$home" && clean/bin/python -P -c 'import doctest, magcomp; assert doctest.testmod(magcomp) == (0, 8), "the docstring"')
 # from the folder of the tests: the package must come from the wheel
 cd python/tests
 MAGCOMP_COMMAND=$native/magcomp "$home/venv/bin/python" -P -m pytest -q -p no:cacheprovider "$@"
 "$home/venv/bin/python" -P -m mypy --config-file ../pyproject.toml --cache-dir "$home/mypy" --package magcomp
+"$home/venv/bin/python" -P -m mypy --config-file ../pyproject.toml --cache-dir "$home/mypy" typed.py
 # the one module whose types are written beside it
 "$home/venv/bin/python" -P -m mypy.stubtest --mypy-config-file ../pyproject.toml magcomp._magcomp

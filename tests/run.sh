@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Every test. `tests/run.sh` runs all parts but `night` and `host`, `tests/run.sh rust bindings` some. A part that failed does not end the others; a
+# Every test. `tests/run.sh` runs all parts but `night`, `host` and `bare`, `tests/run.sh rust bindings` some. A part that failed does not end the others; a
 # table at the end says how each went. Needs Rust 1.89 or newer; what else a part needs it installs as root on Debian (tests/need.sh), or it fails and
 # names what is missing. Mobile libraries are built for one architecture each; tests/mobile.sh, tests/aar.sh and tests/xcframework.sh build all
 # with the argument `all`.
@@ -8,7 +8,7 @@ cd "$(dirname "$0")/.."
 
 # Two lanes run beside each other: what compiles Rust for this machine, and what mostly waits for packages, a virtual machine or one linker.
 # In a lane a part comes after what it needs: Kotlin and the AAR write the same folders.
-lanes=("rust c python bindings web" "swift kotlin mobile aar xcframework" "host night")
+lanes=("rust c python bindings web" "swift kotlin mobile aar xcframework" "host night bare")
 
 rust() {
     tests/need-test.sh
@@ -25,6 +25,8 @@ rust() {
     cargo fmt --all --check
     # with the Python module, which `workspace` leaves out
     cargo clippy --locked --workspace --exclude uniffi-bindgen --features magcomp-ffi/test-hooks,magcomp-lab/formats --all-targets -- -D warnings
+    # the core without `std`
+    cargo clippy --locked -p magcomp --lib --no-default-features -- -D warnings
     RUSTDOCFLAGS="-D warnings" cargo doc --locked "${workspace[@]}" --exclude magcomp-c --no-deps --lib --example expected
     cargo test --locked "${workspace[@]}"
     # the core alone, as others take it
@@ -56,6 +58,7 @@ kotlin() { tests/kotlin.sh; }
 swift() { tests/swift.sh; }
 python() { tests/python.sh; }
 c() { tests/c.sh; }
+bare() { tests/bare.sh; }
 web() { tests/web.sh; }
 mobile() { tests/mobile.sh; }
 aar() { tests/aar.sh; }

@@ -5,8 +5,11 @@
 
 /* Lines on stdin: m (magnetometer, uT), g (gyroscope, rad/s) or a (accelerometer, m/s^2), the time in ns, x, y, z. */
 int main(void) {
+    magcomp_config config = {.size = sizeof config};
+    magcomp_config_default(&config);
+    config.declination_deg = 2.5;
     magcomp_compensator *compensator;
-    if (magcomp_compensator_create("{\"heading\": {\"declination_deg\": 2.5}}", &compensator) != MAGCOMP_ERROR_NONE) {
+    if (magcomp_compensator_create_with(&config, &compensator) != MAGCOMP_ERROR_NONE) {
         fprintf(stderr, "%s\n", magcomp_compensator_last_error(NULL));
         return 1;
     }

@@ -5,7 +5,9 @@
 
 // Lines on stdin: m (magnetometer, uT), g (gyroscope, rad/s) or a (accelerometer, m/s^2), the time in ns, x, y, z.
 int main() try {
-    magcomp::Compensator compensator(R"({"heading": {"declination_deg": 2.5}})");
+    magcomp::Config config;
+    config.declination_deg = 2.5;
+    magcomp::Compensator compensator(config);
     char sensor;
     std::int64_t time_ns;
     double x, y, z;

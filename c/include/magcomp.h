@@ -29,6 +29,15 @@
 // The time since 1970 is not known: it is before all.
 #define MAGCOMP_TIME_UNKNOWN INT64_MIN
 
+// The version that a program is compiled for; magcomp_version() has that of the library which it runs with.
+#define MAGCOMP_VERSION_MAJOR 0
+
+// Its second number. Before 1.0 another one may be another ABI.
+#define MAGCOMP_VERSION_MINOR 1
+
+// Its third number.
+#define MAGCOMP_VERSION_PATCH 0
+
 // Whether a call did what it is for, and why not.
 enum magcomp_error
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -299,6 +308,50 @@ typedef int32_t magcomp_north;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// How M and b are estimated.
+enum magcomp_method
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Gyroscope and gravity beside the magnetometer; the magnetometer alone while there is no usable gyroscope.
+  MAGCOMP_METHOD_AUTO = 0,
+  // The magnetometer alone.
+  MAGCOMP_METHOD_ADAPTIVE = 1,
+  // The paper's: a fit over the latest samples.
+  MAGCOMP_METHOD_WINDOWED = 2,
+  // One fit, then kept.
+  MAGCOMP_METHOD_CONSTANT = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum magcomp_method magcomp_method;
+#else
+typedef int32_t magcomp_method;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Which axis of the device the heading is that of.
+enum magcomp_axis
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // The top edge, +y.
+  MAGCOMP_AXIS_TOP_EDGE = 0,
+  // The back camera, -z.
+  MAGCOMP_AXIS_CAMERA = 1,
+  // The horizontal direction between both.
+  MAGCOMP_AXIS_AUTO = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum magcomp_axis magcomp_axis;
+#else
+typedef int32_t magcomp_axis;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 // Finds M and b from a stream of samples, again whenever they change. magcomp_compensator_create makes one.
 typedef struct magcomp_compensator magcomp_compensator;
 
@@ -370,6 +423,28 @@ typedef struct magcomp_calibration {
   double field_strength_ut;
 } magcomp_calibration;
 
+// Settings. magcomp_config_default fills in the defaults; change what is to differ. The text of magcomp_compensator_create has the paper's besides.
+typedef struct magcomp_config {
+  // sizeof(magcomp_config).
+  size_t size;
+  // A magcomp_method. Default MAGCOMP_METHOD_AUTO.
+  int32_t method;
+  // A magcomp_axis, whose heading it is. Default MAGCOMP_AXIS_TOP_EDGE.
+  int32_t axis;
+  // How the screen's content is turned against the device: 0 (default), 90 (the screen's top is the device's right edge), 180 or 270 deg.
+  int32_t screen_rotation_deg;
+  // Largest component of a raw sample, 1 to 100000 uT. Default 2000.
+  double range_ut;
+  // The sensor's full scale, 1 to 100000 uT. Default NaN: found once an axis has read the same extreme again and again in motion.
+  double rail_ut;
+  // |h| where it is known, 1 to 1000 uT. Default NaN.
+  double field_strength_ut;
+  // Declination, east positive, -180 to 180 deg: gives `true_heading_deg`. Default NaN: none.
+  double declination_deg;
+  // Standard deviation of `up` at rest, 0 to 90 deg. Default 0.5.
+  double tilt_sigma_deg;
+} magcomp_config;
+
 // How sure a fit is.
 typedef struct magcomp_fit {
   // sizeof(magcomp_fit).
@@ -392,6 +467,7 @@ extern "C" {
 const char *magcomp_version(void);
 
 // Makes a compensator, with everything that it will ever need, and puts it into `compensator`; free it with magcomp_compensator_free.
+// magcomp_compensator_create_with takes the settings as a struct.
 //
 // `config_json` has the settings that are not to be the default, such as {"rail_ut": 1200, "heading": {"declination_deg": 2.5}}; null: all are. They are
 //
@@ -495,6 +571,21 @@ magcomp_error magcomp_compensator_keep(const struct magcomp_compensator *compens
 magcomp_error magcomp_compensator_adopt(struct magcomp_compensator *compensator,
                                         const char *kept_json,
                                         int64_t unix_time_s);
+
+// Fills `config`, whose size is set, with the default of every setting. Errors: NULL_POINTER; SIZE. They leave no message.
+magcomp_error magcomp_config_default(struct magcomp_config *config);
+
+// As magcomp_compensator_create, with settings as members.
+//
+// Errors: NULL_POINTER (both); SIZE; CONFIG. `*compensator` is null then, and magcomp_compensator_last_error(NULL) has this thread's message.
+magcomp_error magcomp_compensator_create_with(const struct magcomp_config *config,
+                                              struct magcomp_compensator **compensator);
+
+// As magcomp_compensator_set_heading: `axis`, `screen_rotation_deg`, `declination_deg` and `tilt_sigma_deg` of `config`; nothing else of it is used.
+//
+// Errors: NULL_POINTER (both); SIZE; CONFIG.
+magcomp_error magcomp_compensator_set_heading_with(struct magcomp_compensator *compensator,
+                                                   const struct magcomp_config *config);
 
 // One fit of raw samples of a turned device, as a compensator's first: `points_ut` are `count` times three numbers, uT, in any order. `field_strength_ut` is
 // |h| where it is known, 1 to 1000, else NaN. Fills `calibration` and, where it is not null, `fit`, whose sizes are set.

@@ -26,18 +26,36 @@ private:
     magcomp_error code_;
 };
 
+// Settings, each its default until it is set: see magcomp_config. A number that is not known is NaN.
+struct Config : magcomp_config {
+    Config() noexcept : magcomp_config{} {
+        size = sizeof(magcomp_config);
+        (void)magcomp_config_default(this);
+    }
+};
+
 // Finds M and b from a stream of samples, again whenever they change. It can be moved, not copied; one that was moved from refuses every call. Every member
 // may throw Error.
 class Compensator {
 public:
-    // All settings their default, or those of a JSON text: see magcomp_compensator_create.
-    Compensator() : Compensator(nullptr, nullptr) {}
-    explicit Compensator(const std::string &config_json) : Compensator(config_json.c_str(), nullptr) {}
+    // All settings their default; those of a Config; or those of a JSON text: see magcomp_compensator_create.
+    Compensator() : Compensator(Config()) {}
+    explicit Compensator(const Config &config) {
+        magcomp_compensator *made = nullptr;
+        check(magcomp_compensator_create_with(&config, &made));
+        owned_.reset(made);
+    }
+    explicit Compensator(const std::string &config_json) {
+        magcomp_compensator *made = nullptr;
+        check(magcomp_compensator_create(config_json.c_str(), &made));
+        owned_.reset(made);
+    }
 
     // Begins anew with the same settings.
     void reset() { check(magcomp_compensator_reset(get())); }
 
-    // From now on headings are reported like this: see magcomp_compensator_set_heading.
+    // From now on headings are reported like this: see magcomp_compensator_set_heading_with, magcomp_compensator_set_heading.
+    void set_heading(const Config &config) { check(magcomp_compensator_set_heading_with(get(), &config)); }
     void set_heading(const std::string &heading_json) { check(magcomp_compensator_set_heading(get(), heading_json.c_str())); }
 
     // A raw magnetic sample, uT. One that cannot be used is no error: its reading has MAGCOMP_STATUS_REJECTED.
@@ -133,11 +151,6 @@ private:
         void operator()(magcomp_compensator *compensator) const noexcept { magcomp_compensator_free(compensator); }
     };
     std::unique_ptr<magcomp_compensator, Free> owned_;
-
-    Compensator(const char *config_json, magcomp_compensator *made) {
-        check(magcomp_compensator_create(config_json, &made));
-        owned_.reset(made);
-    }
 
     void check(magcomp_error code) const {
         if (code != MAGCOMP_ERROR_NONE) throw Error(code, magcomp_compensator_last_error(get()));

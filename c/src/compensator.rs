@@ -84,6 +84,7 @@ pub(crate) unsafe fn with(
 }
 
 /// Makes a compensator, with everything that it will ever need, and puts it into `compensator`; free it with magcomp_compensator_free.
+/// magcomp_compensator_create_with takes the settings as a struct.
 ///
 /// `config_json` has the settings that are not to be the default, such as {"rail_ut": 1200, "heading": {"declination_deg": 2.5}}; null: all are. They are
 ///
@@ -102,23 +103,35 @@ pub unsafe extern "C" fn magcomp_compensator_create(
     config_json: *const c_char,
     compensator: *mut *mut Compensator,
 ) -> Error {
-    let done = caught(|| {
-        if compensator.is_null() {
-            return Err(Failure::null("compensator"));
+    let config = || {
+        if config_json.is_null() {
+            return Ok(magcomp_core::Config::default());
         }
-        // SAFETY: it is not null
-        unsafe { compensator.write(std::ptr::null_mut()) };
-        let mut config = magcomp_core::Config::default();
-        if !config_json.is_null() {
-            // SAFETY: the caller's
-            config = serde_json::from_str(unsafe { text(config_json, "config_json") }?).map_err(Failure::config)?;
-        }
-        let made = Box::new(Compensator::new(config)?);
-        // SAFETY: it is not null
-        unsafe { compensator.write(Box::into_raw(made)) };
-        Ok(())
-    });
+        // SAFETY: the caller's
+        serde_json::from_str(unsafe { text(config_json, "config_json") }?).map_err(Failure::config)
+    };
+    // SAFETY: null, or the caller's
+    let done = caught(|| unsafe { create(compensator, config) });
     code(None, done)
+}
+
+/// Puts a compensator with these settings into `compensator`, or null.
+///
+/// # Safety
+/// `compensator` is null, or has room for a pointer.
+pub(crate) unsafe fn create(
+    compensator: *mut *mut Compensator,
+    config: impl FnOnce() -> Result<magcomp_core::Config, Failure>,
+) -> Result<(), Failure> {
+    if compensator.is_null() {
+        return Err(Failure::null("compensator"));
+    }
+    // SAFETY: it is not null
+    unsafe { compensator.write(std::ptr::null_mut()) };
+    let made = Box::new(Compensator::new(config()?)?);
+    // SAFETY: it is not null
+    unsafe { compensator.write(Box::into_raw(made)) };
+    Ok(())
 }
 
 /// Frees a compensator and its texts. Null is left alone.

@@ -9,6 +9,7 @@
 
 mod calibration;
 mod compensator;
+mod config;
 mod error;
 mod fit;
 mod grows;
@@ -24,6 +25,13 @@ use std::ffi::{CStr, c_char};
 
 /// The time since 1970 is not known: it is before all.
 pub const MAGCOMP_TIME_UNKNOWN: i64 = i64::MIN;
+
+/// The version that a program is compiled for; magcomp_version() has that of the library which it runs with.
+pub const MAGCOMP_VERSION_MAJOR: u32 = 0;
+/// Its second number. Before 1.0 another one may be another ABI.
+pub const MAGCOMP_VERSION_MINOR: u32 = 1;
+/// Its third number.
+pub const MAGCOMP_VERSION_PATCH: u32 = 0;
 
 const VERSION: &CStr = match CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_VERSION"), "\0").as_bytes()) {
     Ok(version) => version,

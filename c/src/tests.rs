@@ -2,6 +2,7 @@
 
 use crate::calibration::Calibration;
 use crate::compensator::Compensator;
+use crate::config::Config;
 use crate::error::Error;
 use crate::fit::Fit;
 use crate::grows::{Grows, fill, room};
@@ -48,6 +49,21 @@ macro_rules! layout {
 fn layout_is_that_of_abi_txt() {
     let mut lines = Vec::new();
     layout!(lines, "magcomp_calibration", Calibration { size, soft_iron, hard_iron_ut, field_strength_ut });
+    layout!(
+        lines,
+        "magcomp_config",
+        Config {
+            size,
+            method,
+            axis,
+            screen_rotation_deg,
+            range_ut,
+            rail_ut,
+            field_strength_ut,
+            declination_deg,
+            tilt_sigma_deg
+        }
+    );
     layout!(lines, "magcomp_fit", Fit { size, covariance, residual_rms_ut, direction_sigma_deg, problem });
     layout!(
         lines,

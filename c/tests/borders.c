@@ -90,6 +90,94 @@ static void configs(void) {
     REFUSED(NULL_POINTER, "compensator is a null pointer", magcomp_compensator_create(NULL, NULL));
 }
 
+/* The settings as members. */
+static void typed_configs(void) {
+    magcomp_compensator *c = NULL; /* REFUSED reads this thread's message */
+    magcomp_compensator *out;
+    magcomp_config config = {.size = sizeof config};
+    CHECK(magcomp_config_default(&config) == MAGCOMP_ERROR_NONE && config.size == sizeof config);
+    CHECK(config.method == MAGCOMP_METHOD_AUTO && config.axis == MAGCOMP_AXIS_TOP_EDGE && config.screen_rotation_deg == 0);
+    CHECK(config.range_ut == 2000 && isnan(config.rail_ut) && isnan(config.field_strength_ut) && isnan(config.declination_deg));
+    CHECK(config.tilt_sigma_deg == 0.5);
+    const magcomp_config usual = config;
+    CHECK(magcomp_config_default(NULL) == MAGCOMP_ERROR_NULL_POINTER);
+    config.size = offsetof(magcomp_config, tilt_sigma_deg);
+    CHECK(magcomp_config_default(&config) == MAGCOMP_ERROR_SIZE);
+    REFUSED(SIZE, "magcomp_config", magcomp_compensator_create_with(&config, &out));
+    CHECK(out == NULL);
+    REFUSED(NULL_POINTER, "magcomp_config", magcomp_compensator_create_with(NULL, &out));
+    REFUSED(NULL_POINTER, "compensator", magcomp_compensator_create_with(&usual, NULL));
+
+    /* every member is checked */
+#define REFUSED_WITH(member, value, says)                                                \
+    do {                                                                                 \
+        config = usual;                                                                  \
+        config.member = (value);                                                         \
+        out = (magcomp_compensator *)&out;                                               \
+        REFUSED(CONFIG, says, magcomp_compensator_create_with(&config, &out));           \
+        CHECK(out == NULL);                                                              \
+    } while (0)
+    REFUSED_WITH(method, 4, "method is 4");
+    REFUSED_WITH(method, -1, "method is -1");
+    REFUSED_WITH(axis, 3, "axis is 3");
+    REFUSED_WITH(screen_rotation_deg, 45, "screen_rotation_deg is 45, expected 0, 90, 180 or 270");
+    REFUSED_WITH(range_ut, 0.5, "range_ut is 0.5, expected 1.0 to 100000.0 uT");
+    REFUSED_WITH(range_ut, NAN, "range_ut is NaN");
+    REFUSED_WITH(rail_ut, INFINITY, "rail_ut is inf");
+    REFUSED_WITH(field_strength_ut, 1001, "field_strength_ut is 1001.0");
+    REFUSED_WITH(declination_deg, -181, "declination_deg is -181.0");
+    REFUSED_WITH(tilt_sigma_deg, 91, "tilt_sigma_deg is 91.0");
+
+    /* and does what that of the text does */
+    static const struct {
+        const char *text;
+        double range_ut, rail_ut, field_strength_ut, declination_deg, tilt_sigma_deg;
+        magcomp_method method;
+        magcomp_axis axis;
+        int32_t screen_rotation_deg;
+    } same[] = {
+        {"{\"method\": \"Adaptive\", \"heading\": {\"axis\": \"Camera\", \"declination_deg\": 2.5}}", 2000, NAN, NAN, 2.5, 0.5, MAGCOMP_METHOD_ADAPTIVE, MAGCOMP_AXIS_CAMERA, 0},
+        {"{\"field_strength_ut\": 48, \"heading\": {\"axis\": \"Auto\", \"screen_rotation\": \"Deg270\", \"tilt_sigma_deg\": 3}}", 2000, NAN, 48, NAN, 3, MAGCOMP_METHOD_AUTO, MAGCOMP_AXIS_AUTO, 270},
+        {"{\"method\": \"Windowed\", \"range_ut\": 90, \"heading\": {\"screen_rotation\": \"Deg180\"}}", 90, NAN, NAN, NAN, 0.5, MAGCOMP_METHOD_WINDOWED, MAGCOMP_AXIS_TOP_EDGE, 180},
+        {"{\"method\": \"Constant\", \"rail_ut\": 80, \"heading\": {\"screen_rotation\": \"Deg90\"}}", 2000, 80, NAN, NAN, 0.5, MAGCOMP_METHOD_CONSTANT, MAGCOMP_AXIS_TOP_EDGE, 90},
+    };
+    for (size_t k = 0; k < sizeof same / sizeof *same; k++) {
+        c = made(same[k].text);
+        config = usual;
+        config.method = same[k].method;
+        config.axis = same[k].axis;
+        config.screen_rotation_deg = same[k].screen_rotation_deg;
+        config.range_ut = same[k].range_ut;
+        config.rail_ut = same[k].rail_ut;
+        config.field_strength_ut = same[k].field_strength_ut;
+        config.declination_deg = same[k].declination_deg;
+        config.tilt_sigma_deg = same[k].tilt_sigma_deg;
+        CHECK(magcomp_compensator_create_with(&config, &out) == MAGCOMP_ERROR_NONE);
+        const magcomp_reading by_text = turned(c, 0, 3000), by_members = turned(out, 0, 3000);
+        CHECK(memcmp(&by_text, &by_members, sizeof by_text) == 0);
+        magcomp_compensator_free(c);
+        magcomp_compensator_free(out);
+    }
+
+    /* of set_heading: what is no heading's is not read */
+    c = made(NULL);
+    (void)turned(c, 0, 3000);
+    config = usual;
+    config.method = 99;
+    config.range_ut = NAN;
+    config.declination_deg = 5;
+    CHECK(magcomp_compensator_set_heading_with(c, &config) == MAGCOMP_ERROR_NONE);
+    const magcomp_reading r = turned(c, 3000, 1);
+    CHECK(fabs(remainder(r.true_heading_deg - r.heading_deg - 5, 360)) < 1e-9);
+    config.tilt_sigma_deg = -1;
+    REFUSED(CONFIG, "tilt_sigma_deg", magcomp_compensator_set_heading_with(c, &config));
+    REFUSED(NULL_POINTER, "magcomp_config", magcomp_compensator_set_heading_with(c, NULL));
+    CHECK(isfinite(turned(c, 3001, 1).true_heading_deg));
+    magcomp_compensator_free(c);
+    c = NULL;
+    REFUSED(NULL_POINTER, "compensator", magcomp_compensator_set_heading_with(c, &usual));
+}
+
 static void nulls(void) {
     magcomp_compensator *c = NULL;
     magcomp_reading reading = {.size = sizeof reading};
@@ -443,7 +531,11 @@ static void memory(void) {
 
 int main(void) {
     CHECK(strcmp(magcomp_version(), VERSION) == 0);
+    char compiled_for[32];
+    snprintf(compiled_for, sizeof compiled_for, "%d.%d.%d", MAGCOMP_VERSION_MAJOR, MAGCOMP_VERSION_MINOR, MAGCOMP_VERSION_PATCH);
+    CHECK(strcmp(compiled_for, VERSION) == 0);
     configs();
+    typed_configs();
     nulls();
     sizes();
     samples();

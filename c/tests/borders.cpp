@@ -34,6 +34,13 @@ static_assert(!std::is_copy_constructible_v<magcomp::Compensator> && std::is_not
 void borders() {
     using magcomp::Compensator;
     refuses(MAGCOMP_ERROR_CONFIG, "unknown field `rail`", __LINE__, [] { Compensator(R"({"rail": 3})"); });
+    magcomp::Config config;
+    check(config.range_ut == 2000 && std::isnan(config.declination_deg), __LINE__);
+    config.declination_deg = 400;
+    refuses(MAGCOMP_ERROR_CONFIG, "declination_deg", __LINE__, [&] { Compensator{config}; });
+    refuses(MAGCOMP_ERROR_CONFIG, "declination_deg", __LINE__, [&] { Compensator().set_heading(config); });
+    config.declination_deg = 4;
+    Compensator{config}.set_heading(config);
     Compensator first;
     check(!first.calibration() && !first.keep(0) && first.status_text().empty(), __LINE__);
     check(first.push(0, 20, 0, 40).status == MAGCOMP_STATUS_COLLECTING, __LINE__);

@@ -41,8 +41,10 @@ from ._magcomp import (
     read_session,
 )
 from ._many import process_many
+from ._types import Answers, HeadingSettings, Session, Settings, Status
 
 __all__ = [
+    "Answers",
     "Calibration",
     "CalibrationError",
     "Compensator",
@@ -50,12 +52,16 @@ __all__ = [
     "EllipsoidFit",
     "EventError",
     "FitError",
+    "HeadingSettings",
     "KeptError",
     "MagcompError",
     "Many",
     "PlaceError",
     "Reading",
+    "Session",
     "SessionError",
+    "Settings",
+    "Status",
     "__version__",
     "earth_field",
     "fit_ellipsoid",

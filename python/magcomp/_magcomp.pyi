@@ -6,8 +6,9 @@ from typing import Any, final
 import numpy as np
 import pandas
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import Unpack
 
-from ._types import Answers, Session
+from ._types import Answers, EventKind, HeadingAid, North, Session, Settings, Status
 
 __version__: str
 __all__ = [
@@ -102,24 +103,23 @@ class Reading:
     def direction_sigma_deg(self) -> float | None:
         """Expected direction error of the calibration over all directions, deg."""
     @property
-    def status(self) -> str:
-        """collecting, tracking, suspect, held, disturbed or rejected."""
+    def status(self) -> Status: ...
     @property
     def status_text(self) -> str:
         """The same as a sentence that says what is missing or what to do."""
     @property
-    def event(self) -> tuple[str, int, int] | None:
-        """The latest change: DeviceStep, DeviceStepBack or PlaceChanged, since when and when it was decided, ns."""
+    def event(self) -> tuple[EventKind, int, int] | None:
+        """The latest change, since when and when it was decided, ns."""
 
 @final
 class Compensator:
     """Finds M and b from a stream, again whenever they change. Not for two threads at a time."""
 
-    def __new__(cls, **settings: Any) -> Compensator:
+    def __new__(cls, **settings: Unpack[Settings]) -> Compensator:
         """Settings by name, as `config` prints them: ``Compensator(method="Adaptive", rail_ut=1200.0)``; those of a group as a dict:
         ``heading={"declination_deg": 3.2}``. Each has a default. Raises `ConfigError`."""
     @property
-    def config(self) -> dict[str, Any]:
+    def config(self) -> Settings:
         """All settings."""
     def reset(self) -> None:
         """As new, with the same settings."""
@@ -128,19 +128,19 @@ class Compensator:
     def push_up(self, time_ns: int, up_m_s2: ArrayLike) -> None:
         """An accelerometer's or gravity sample, shape (3,), m/s^2, up at rest. Raises `EventError`."""
     def push_heading(
-        self, time_ns: int, heading_deg: float, sigma_deg: float, *, north: str = "true", axis: ArrayLike | None = None
+        self, time_ns: int, heading_deg: float, sigma_deg: float, *, north: North = "true", axis: ArrayLike | None = None
     ) -> None:
         """A heading from outside: a GNSS course, a landmark; degrees clockwise from ``"true"`` or ``"magnetic"`` north, -360 to 360, and its
         standard deviation, above 0, up to 180. `axis`, shape (3,), is what points there, device axes: the top edge is ``[0, 1, 0]``; None: a
         vehicle in which the device lies. It may come up to 5 s late. Without a gyroscope it is not used. Raises `EventError`."""
     def push_attitude(
-        self, time_ns: int, to_world: ArrayLike, *, north: str | None = None, sigma_deg: float | None = None
+        self, time_ns: int, to_world: ArrayLike, *, north: North | None = None, sigma_deg: float | None = None
     ) -> None:
         """An orientation from outside, a camera's pose: the quaternion (w, x, y, z) that takes device axes to a world whose z points up. While
         the gyroscope is missing its turns stand in for it. Where the world's y axis points north, `north` says to which, `sigma_deg` how
         well: it is a heading too. Raises `EventError`."""
     @property
-    def heading_aid(self) -> str | None:
+    def heading_aid(self) -> HeadingAid | None:
         """What headings from outside are worth after the latest sample: ``used`` (they agree), ``leads`` (north is what they say),
         ``disagrees`` (the latest one is ignored); None where none came in the last two minutes."""
     @property
@@ -209,7 +209,7 @@ class Many:
     def warnings(self) -> dict[str, list[str]]:
         """What was lost, left out or may be wrong."""
     @property
-    def events(self) -> dict[str, list[tuple[str, int, int]]]:
+    def events(self) -> dict[str, list[tuple[EventKind, int, int]]]:
         """Changes, as of `Compensator.process`."""
     @property
     def left_out(self) -> dict[str, int]:
@@ -223,7 +223,7 @@ class Many:
 def _compensator(version: str, state: bytes) -> Compensator: ...
 def _process_many(
     recordings: list[tuple[str, Any]],
-    settings: dict[str, Any],
+    settings: Settings,
     workers: int,
     results: str | os.PathLike[str] | None,
     progress: Callable[[int, int, int], object] | None,

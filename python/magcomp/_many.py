@@ -9,11 +9,12 @@ from collections.abc import Callable, Iterable, Mapping
 
 from . import _magcomp
 from ._frames import from_frame
-from ._types import Session
+from ._types import Session, Settings
 
 if typing.TYPE_CHECKING:
     import pandas
     import pyarrow
+    from typing_extensions import Unpack
 
     Recording: typing.TypeAlias = typing.Union[str, os.PathLike[str], Session, pandas.DataFrame, pyarrow.Table]
 
@@ -43,7 +44,7 @@ def process_many(
     workers: int | None = None,
     progress: bool | Callable[[int, int, int], object] = True,
     results: str | os.PathLike[str] | None = None,
-    **settings: typing.Any,
+    **settings: Unpack[Settings],
 ) -> _magcomp.Many:
     """Answers each recording by itself, with a new `Compensator` of these settings, on all cores.
 
@@ -74,7 +75,7 @@ def process_many(
     return _magcomp._process_many(named, settings, workers or cores or 1, results, shown)
 
 
-def table(recordings: Iterable[str], settings: dict[str, typing.Any]) -> pyarrow.Table:
+def table(recordings: Iterable[str], settings: Settings) -> pyarrow.Table:
     """For engines, whose tasks have a core each: answers with a column ``error``, which is all that a recording with an error has."""
     import pyarrow
 

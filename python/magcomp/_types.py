@@ -1,9 +1,65 @@
-"""Shapes of what `Compensator.process` and `read_session` return."""
+"""Types of settings and answers, which an editor completes and a type checker knows."""
+
+from __future__ import annotations
 
 import typing
 
 import numpy as np
 from numpy.typing import NDArray
+
+
+Method = typing.Literal["Auto", "Aided", "Adaptive", "Windowed", "Constant"]
+Status = typing.Literal["collecting", "tracking", "suspect", "held", "disturbed", "rejected"]
+EventKind = typing.Literal["DeviceStep", "DeviceStepBack", "PlaceChanged"]
+HeadingAid = typing.Literal["used", "leads", "disagrees"]
+North = typing.Literal["true", "magnetic"]
+
+
+class HeadingSettings(typing.TypedDict, total=False):
+    """How headings are reported."""
+
+    axis: typing.Literal["TopEdge", "Camera", "Auto"]
+    screen_rotation: typing.Literal["Deg0", "Deg90", "Deg180", "Deg270"]
+    declination_deg: float | None
+    tilt_sigma_deg: float
+
+
+class WindowedSettings(typing.TypedDict, total=False):
+    """The paper's method."""
+
+    n_min: int
+    n_max: int
+    sigma_th: float
+    normalisation: typing.Literal["HalfRange", "EvenSphere"]
+    residual: typing.Literal["Corrected", "Algebraic"]
+    noise_floor_ut: float
+
+
+class InitialCalibration(typing.TypedDict):
+    """A calibration to begin with: M row by row, 9 numbers; b, 3 numbers, uT; |h|, uT."""
+
+    soft_iron: typing.Sequence[float]
+    hard_iron_ut: typing.Sequence[float]
+    field_strength_ut: float
+
+
+class Settings(typing.TypedDict, total=False):
+    """Settings of a `Compensator`; each has a default, which `Compensator().config` tells.
+
+    `method`: Auto (gyroscope and gravity beside the magnetometer), Aided (the same), Adaptive (the magnetometer alone), Windowed (the paper's) or
+    Constant (one fit, then kept). `initial_sigma_ut`: standard deviation of `initial`'s hard iron, 0.01 to 1000 uT. `range_ut`: the largest component
+    of a raw sample, 1 to 100000 uT. `rail_ut`: the sensor's full scale, 1 to 100000 uT; None: it is found. `field_strength_ut`: |h| where it is known,
+    1 to 1000 uT. `heading["declination_deg"]`: east positive, gives `true_heading_deg`.
+    """
+
+    method: Method
+    initial: InitialCalibration | None
+    initial_sigma_ut: float
+    range_ut: float
+    rail_ut: float | None
+    field_strength_ut: float | None
+    heading: HeadingSettings
+    windowed: WindowedSettings
 
 
 class Answers(typing.TypedDict):
@@ -17,7 +73,7 @@ class Answers(typing.TypedDict):
     true_heading_deg: NDArray[np.float64]
     direction_sigma_deg: NDArray[np.float64]
     status: NDArray[np.str_]
-    events: list[tuple[str, int, int]]
+    events: list[tuple[EventKind, int, int]]
     left_out: int
 
 

@@ -9,9 +9,12 @@ from ._many import table
 if typing.TYPE_CHECKING:
     import dask.dataframe
     import pandas
+    from typing_extensions import Unpack
+
+    from ._types import Settings
 
 
-def process_many(recordings: dask.dataframe.DataFrame, **settings: typing.Any) -> dask.dataframe.DataFrame:
+def process_many(recordings: dask.dataframe.DataFrame, **settings: Unpack[Settings]) -> dask.dataframe.DataFrame:
     """The answers for paths in the column ``recording``, which every worker can open, with a column ``error`` of those that have none. A
     partition is a task and is answered whole: ``dask.dataframe.from_pandas(paths, npartitions=200)``."""
 

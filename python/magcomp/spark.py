@@ -11,9 +11,12 @@ if typing.TYPE_CHECKING:
 
     import pyarrow
     from pyspark.sql import DataFrame
+    from typing_extensions import Unpack
+
+    from ._types import Settings
 
 
-def process_many(recordings: DataFrame, **settings: typing.Any) -> DataFrame:
+def process_many(recordings: DataFrame, **settings: Unpack[Settings]) -> DataFrame:
     """The answers for paths in the column ``recording``, which every worker can open, with a column ``error`` of those that have none. Spread
     the paths over as many partitions as there are tasks to run: ``recordings.repartition(200)``."""
 

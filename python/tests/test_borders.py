@@ -4,7 +4,9 @@ import copy
 import datetime
 import doctest
 import importlib.metadata
+import json
 import signal
+import typing
 
 import numpy as np
 import pytest
@@ -140,6 +142,37 @@ def test_settings_come_back():
     config = magcomp.Compensator(method="Adaptive", heading={"declination_deg": 3.5}).config
     assert config["method"] == "Adaptive" and config["heading"]["declination_deg"] == 3.5
     assert magcomp.Compensator(**config).config == config
+
+
+def accepts(hint, wrap):
+    """Each value of a Literal is taken, and one that it does not have is refused."""
+    for value in typing.get_args(hint):
+        magcomp.Compensator(**wrap(value))
+    with pytest.raises(magcomp.ConfigError, match="unknown variant `None of these`"):
+        magcomp.Compensator(**wrap("None of these"))
+
+
+def test_typed_settings_are_those_that_there_are():
+    config = magcomp.Compensator().config
+    hints = typing.get_type_hints(magcomp.Settings)
+    assert hints.keys() == config.keys()
+    accepts(hints["method"], lambda value: {"method": value})
+    for group in ("heading", "windowed"):
+        inner = typing.get_type_hints(hints[group])
+        assert inner.keys() == config[group].keys()
+        literals = [name for name, hint in inner.items() if typing.get_origin(hint) is typing.Literal]
+        assert len(literals) == 2
+        for name in literals:
+            accepts(inner[name], lambda value: {group: {name: value}})
+    (initial, _) = typing.get_args(hints["initial"])
+    given = {"soft_iron": [1, 0, 0, 0, 1, 0, 0, 0, 1], "hard_iron_ut": [20, -30, 40], "field_strength_ut": 48}
+    assert typing.get_type_hints(initial).keys() == given.keys()
+    assert magcomp.Compensator(initial=given).calibration.hard_iron_ut.tolist() == [20, -30, 40]
+
+
+def test_typed_statuses_are_those_that_all_languages_have():
+    facts = json.loads((ROOT / "tests/vectors/facts.json").read_text())
+    assert set(typing.get_args(magcomp.Status)) == {it["label"] for it in facts["statuses"]}
 
 
 def test_points_that_no_ellipsoid_fits_are_refused():
