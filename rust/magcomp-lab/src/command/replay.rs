@@ -361,6 +361,10 @@ impl Replay {
         }
 
         let courses = players[0].courses().clone();
+        if courses.used > 0 && declination_deg.is_none() {
+            let why = "the headings from outside count from true north, and the declination is not known, which widens the sigma";
+            notes.push(format!("{why}: --place LAT,LON or --declination DEG"));
+        }
         let known = Known { session: session.as_ref().map(session_table), conventions, warnings, notes, courses };
         Ok(gathering.finish(&name_of(source.path()), &as_typed(&self.method), earth, &known))
     }
