@@ -309,7 +309,8 @@ mod tests {
 
     /// What a style sheet says of `name`, light and dark.
     fn colours(sheet: &str, name: &str) -> [RGBColor; 2] {
-        let found = sheet.split(&format!("--{name}: #")).skip(1).map(|rest| {
+        let told = format!("--{name}: #");
+        let found = sheet.split(&told).skip(1).map(|rest| {
             let part = |k: usize| u8::from_str_radix(&rest[k..k + 2], 16).unwrap();
             RGBColor(part(0), part(2), part(4))
         });

@@ -122,7 +122,7 @@ mod tests {
 
     #[test]
     fn names_of_marks_do_not_run_into_each_other_nor_out_of_the_picture() {
-        let marks = [1.0, 2.0, 3.0, 3.5, 60.0, 99.0].map(|x| (x, "DeviceStep".to_owned()));
+        let marks = [1.0, 2.0, 3.0, 3.5, 60.0, 99.0].map(|x: f64| (x, "DeviceStep".to_owned()));
         let mut marks: Vec<_> =
             marks.into_iter().chain([(2.5, "PlaceChanged".to_owned()), (50.0, String::new())]).collect();
         marks.sort_by(|a, b| a.0.total_cmp(&b.0));

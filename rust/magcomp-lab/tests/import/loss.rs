@@ -2,6 +2,7 @@
 
 use crate::{folder, import, refused};
 use std::fmt::Write as _;
+use std::fs;
 
 #[test]
 fn a_cut_last_line_costs_itself_in_every_format() {
