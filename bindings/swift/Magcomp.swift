@@ -1526,29 +1526,23 @@ public struct CompensationConfig: Equatable, Hashable, Codable {
      */
     public var initial: MagnetometerCalibration?
     /**
-     * One standard deviation of each component of `initial`'s hard iron, microtesla, 0.01 to 1000. Default 2; larger makes the
-     * first headings less sure, and learning faster.
+     * One standard deviation of each component of `initial`'s hard iron, microtesla, 0.01 to 1000. Default 2; larger makes the first headings less sure, and learning faster.
      */
     public var initialSigmaUt: Double?
     /**
-     * Whether the operating system's own hard-iron estimate, where samples carry one, becomes the first calibration
-     * when there is no other. There are then readings from the first sample on, with a standard deviation of 13
-     * microtesla per axis. Default true.
+     * Whether the operating system's own hard-iron estimate, where samples carry one, becomes the first calibration when there is no other. There are then readings from the first sample on, with a standard deviation of 13 microtesla per axis. Default true.
      */
     public var useReportedHardIron: Bool?
     /**
-     * Largest component of a raw sample, microtesla, 1 to 100 000; a larger one is rejected. Default 2000; larger accepts stronger
-     * magnets.
+     * Largest component of a raw sample, microtesla, 1 to 100 000; a larger one is rejected. Default 2000; larger accepts stronger magnets.
      */
     public var rangeUt: Double?
     /**
-     * The magnetometer's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected
-     * as saturated. 1 to 100 000. Default none: it is found once an axis has read the same extreme again and again in motion.
+     * The magnetometer's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected as saturated. 1 to 100 000. Default none: it is found once an axis has read the same extreme again and again in motion.
      */
     public var railUt: Double?
     /**
-     * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
-     * carries the sensor's scale. Every method listens to it. Default none: found by the method.
+     * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron carries the sensor's scale. Every method listens to it. Default none: found by the method.
      */
     public var fieldStrengthUt: Double?
     /**
@@ -1570,25 +1564,19 @@ public struct CompensationConfig: Equatable, Hashable, Codable {
          * A calibration to begin with, from elsewhere; that of the last launch is for `adoptKept`. Default none.
          */initial: MagnetometerCalibration? = nil,
         /**
-         * One standard deviation of each component of `initial`'s hard iron, microtesla, 0.01 to 1000. Default 2; larger makes the
-         * first headings less sure, and learning faster.
+         * One standard deviation of each component of `initial`'s hard iron, microtesla, 0.01 to 1000. Default 2; larger makes the first headings less sure, and learning faster.
          */initialSigmaUt: Double? = nil,
         /**
-         * Whether the operating system's own hard-iron estimate, where samples carry one, becomes the first calibration
-         * when there is no other. There are then readings from the first sample on, with a standard deviation of 13
-         * microtesla per axis. Default true.
+         * Whether the operating system's own hard-iron estimate, where samples carry one, becomes the first calibration when there is no other. There are then readings from the first sample on, with a standard deviation of 13 microtesla per axis. Default true.
          */useReportedHardIron: Bool? = nil,
         /**
-         * Largest component of a raw sample, microtesla, 1 to 100 000; a larger one is rejected. Default 2000; larger accepts stronger
-         * magnets.
+         * Largest component of a raw sample, microtesla, 1 to 100 000; a larger one is rejected. Default 2000; larger accepts stronger magnets.
          */rangeUt: Double? = nil,
         /**
-         * The magnetometer's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected
-         * as saturated. 1 to 100 000. Default none: it is found once an axis has read the same extreme again and again in motion.
+         * The magnetometer's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected as saturated. 1 to 100 000. Default none: it is found once an axis has read the same extreme again and again in motion.
          */railUt: Double? = nil,
         /**
-         * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
-         * carries the sensor's scale. Every method listens to it. Default none: found by the method.
+         * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron carries the sensor's scale. Every method listens to it. Default none: found by the method.
          */fieldStrengthUt: Double? = nil,
         /**
          * How headings are reported.
@@ -2220,8 +2208,7 @@ public struct FitOptions: Equatable, Hashable, Codable {
      */
     public var residual: FitResidual?
     /**
-     * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
-     * carries the sensor's scale. Every method listens to it. Default none: found by the method.
+     * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron carries the sensor's scale. Every method listens to it. Default none: found by the method.
      */
     public var fieldStrengthUt: Double?
     /**
@@ -2249,8 +2236,7 @@ public struct FitOptions: Equatable, Hashable, Codable {
      */
     public var maxIterations: Int32?
     /**
-     * The iteration has converged when a step changes no parameter by more than this (field strengths), 1e-16 to 0.1. Default
-     * 1e-10.
+     * The iteration has converged when a step changes no parameter by more than this (field strengths), 1e-16 to 0.1. Default 1e-10.
      */
     public var tolerance: Double?
 
@@ -2261,8 +2247,7 @@ public struct FitOptions: Equatable, Hashable, Codable {
          * The residual that a fit squares and sums. Default `Corrected`.
          */residual: FitResidual? = nil,
         /**
-         * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
-         * carries the sensor's scale. Every method listens to it. Default none: found by the method.
+         * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron carries the sensor's scale. Every method listens to it. Default none: found by the method.
          */fieldStrengthUt: Double? = nil,
         /**
          * Smallest field strength accepted, microtesla, 1 or more. Default 22.
@@ -2283,8 +2268,7 @@ public struct FitOptions: Equatable, Hashable, Codable {
          * Iterations at the most, 1 to 1000. Default 50.
          */maxIterations: Int32? = nil,
         /**
-         * The iteration has converged when a step changes no parameter by more than this (field strengths), 1e-16 to 0.1. Default
-         * 1e-10.
+         * The iteration has converged when a step changes no parameter by more than this (field strengths), 1e-16 to 0.1. Default 1e-10.
          */tolerance: Double? = nil) {
         self.residual = residual
         self.fieldStrengthUt = fieldStrengthUt
@@ -2709,11 +2693,11 @@ public struct MagneticReading: Equatable, Hashable, Codable {
      */
     public var fieldSigmaUt: Double?
     /**
-     * The estimator's own, smoother estimate of the same vector, microtesla, where it has one; the heading comes from it.
+     * The estimator's own, smoother estimate of the same vector, microtesla; the heading comes from it. None where it has none.
      */
     public var filteredFieldUt: DeviceVector?
     /**
-     * Length of `fieldUt`, microtesla.
+     * Length of `fieldUt`, microtesla. None where that is not known.
      */
     public var totalFieldUt: Double?
     /**
@@ -2721,12 +2705,11 @@ public struct MagneticReading: Equatable, Hashable, Codable {
      */
     public var heading: CompassHeading?
     /**
-     * How the device lies in the world, also where the heading's axis is vertical. None without a calibration, without a recent
-     * `up`, or where the field is vertical.
+     * How the device lies in the world, also where the heading's axis is vertical. None without a calibration, without a recent `up`, or where the field is vertical.
      */
     public var attitude: DeviceAttitude?
     /**
-     * Uniformity sigma_T of the latest orientations, 0 to about 1, dimensionless.
+     * Uniformity sigma_T of the latest orientations, 0 to about 1, dimensionless. None until there are enough of them and a calibration.
      */
     public var sigmaT: Double?
     /**
@@ -2738,23 +2721,19 @@ public struct MagneticReading: Equatable, Hashable, Codable {
      */
     public var coverage: Double
     /**
-     * Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. None when it
-     * is not known.
+     * Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. None when it is not known.
      */
     public var directionSigmaDeg: Double?
     /**
-     * The same for the one combination of parameters that is known worst, degrees. It is large where the directions
-     * seen do not determine the parameters, also where `sigmaT` does not show that. Adaptive method only.
+     * The same for the one combination of parameters that is known worst, degrees. It is large where the directions seen do not determine the parameters, also where `sigmaT` does not show that. Adaptive method only. None when it is not known.
      */
     public var worstSigmaDeg: Double?
     /**
-     * Which parameters the latest change set free. Adaptive method only.
+     * Which parameters the latest change set free. Adaptive method only. None when it is not known.
      */
     public var modelOrder: ModelOrder?
     /**
-     * By how much the operating system's own hard-iron estimate jumped with this sample, microtesla. None when it did
-     * not jump or is not reported. A jump means that the operating system has recalibrated; the raw field has not
-     * changed.
+     * By how much the operating system's own hard-iron estimate jumped with this sample, microtesla. A jump means that the operating system has recalibrated; the raw field has not changed. None when it did not jump or is not reported.
      */
     public var reportedHardIronJumpUt: Double?
     /**
@@ -2783,20 +2762,19 @@ public struct MagneticReading: Equatable, Hashable, Codable {
          * One standard deviation of `fieldUt` per axis, microtesla. None when it is not known.
          */fieldSigmaUt: Double?,
         /**
-         * The estimator's own, smoother estimate of the same vector, microtesla, where it has one; the heading comes from it.
+         * The estimator's own, smoother estimate of the same vector, microtesla; the heading comes from it. None where it has none.
          */filteredFieldUt: DeviceVector?,
         /**
-         * Length of `fieldUt`, microtesla.
+         * Length of `fieldUt`, microtesla. None where that is not known.
          */totalFieldUt: Double?,
         /**
          * Heading and inclination. None without a calibration, without a recent `up`, or where the axis is vertical.
          */heading: CompassHeading?,
         /**
-         * How the device lies in the world, also where the heading's axis is vertical. None without a calibration, without a recent
-         * `up`, or where the field is vertical.
+         * How the device lies in the world, also where the heading's axis is vertical. None without a calibration, without a recent `up`, or where the field is vertical.
          */attitude: DeviceAttitude?,
         /**
-         * Uniformity sigma_T of the latest orientations, 0 to about 1, dimensionless.
+         * Uniformity sigma_T of the latest orientations, 0 to about 1, dimensionless. None until there are enough of them and a calibration.
          */sigmaT: Double?,
         /**
          * Samples in the window of the estimator.
@@ -2805,20 +2783,16 @@ public struct MagneticReading: Equatable, Hashable, Codable {
          * Share of the directions seen in that window, 0 to 1.
          */coverage: Double,
         /**
-         * Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. None when it
-         * is not known.
+         * Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. None when it is not known.
          */directionSigmaDeg: Double?,
         /**
-         * The same for the one combination of parameters that is known worst, degrees. It is large where the directions
-         * seen do not determine the parameters, also where `sigmaT` does not show that. Adaptive method only.
+         * The same for the one combination of parameters that is known worst, degrees. It is large where the directions seen do not determine the parameters, also where `sigmaT` does not show that. Adaptive method only. None when it is not known.
          */worstSigmaDeg: Double?,
         /**
-         * Which parameters the latest change set free. Adaptive method only.
+         * Which parameters the latest change set free. Adaptive method only. None when it is not known.
          */modelOrder: ModelOrder?,
         /**
-         * By how much the operating system's own hard-iron estimate jumped with this sample, microtesla. None when it did
-         * not jump or is not reported. A jump means that the operating system has recalibrated; the raw field has not
-         * changed.
+         * By how much the operating system's own hard-iron estimate jumped with this sample, microtesla. A jump means that the operating system has recalibrated; the raw field has not changed. None when it did not jump or is not reported.
          */reportedHardIronJumpUt: Double?,
         /**
          * The sensors the estimator runs on.
@@ -3351,13 +3325,11 @@ public struct WindowedConfig: Equatable, Hashable, Codable {
      */
     public var normalisation: SigmaNormalisation?
     /**
-     * The residual that fits square and sum. Default `Corrected`. `Algebraic` follows the paper as written: a window
-     * is fitted however far its samples lie from one ellipsoid.
+     * The residual that fits square and sum. Default `Corrected`. `Algebraic` follows the paper as written: a window is fitted however far its samples lie from one ellipsoid.
      */
     public var residual: FitResidual?
     /**
-     * Least white noise, microtesla per axis, 0 to 1000, for which a fit is judged. Default 5; smaller accepts poorer
-     * coverage where the residual is small.
+     * Least white noise, microtesla per axis, 0 to 1000, for which a fit is judged. Default 5; smaller accepts poorer coverage where the residual is small.
      */
     public var noiseFloorUt: Double?
 
@@ -3377,12 +3349,10 @@ public struct WindowedConfig: Equatable, Hashable, Codable {
          * How the standard deviations in sigma_T are normalised. Default `HalfRange`.
          */normalisation: SigmaNormalisation? = nil,
         /**
-         * The residual that fits square and sum. Default `Corrected`. `Algebraic` follows the paper as written: a window
-         * is fitted however far its samples lie from one ellipsoid.
+         * The residual that fits square and sum. Default `Corrected`. `Algebraic` follows the paper as written: a window is fitted however far its samples lie from one ellipsoid.
          */residual: FitResidual? = nil,
         /**
-         * Least white noise, microtesla per axis, 0 to 1000, for which a fit is judged. Default 5; smaller accepts poorer
-         * coverage where the residual is small.
+         * Least white noise, microtesla per axis, 0 to 1000, for which a fit is judged. Default 5; smaller accepts poorer coverage where the residual is small.
          */noiseFloorUt: Double? = nil) {
         self.nMin = nMin
         self.nMax = nMax
@@ -3450,7 +3420,7 @@ fileprivate func FfiConverterTypeWindowedConfig_lower(_ value: WindowedConfig) -
 public enum CollectingReason: Equatable, Hashable, Codable {
 
     /**
-     * More samples before a first fit is tried.
+     * Too few samples for a first fit.
      */
     case samples(
         /**
@@ -3461,7 +3431,7 @@ public enum CollectingReason: Equatable, Hashable, Codable {
          */need: Int32
     )
     /**
-     * The samples allow no fit yet.
+     * The samples allow no fit; the problem is named.
      */
     case fit(
         /**
@@ -3469,11 +3439,11 @@ public enum CollectingReason: Equatable, Hashable, Codable {
          */problem: FitProblem
     )
     /**
-     * The device must be turned.
+     * The device was hardly turned.
      */
     case rotation
     /**
-     * More directions, turned about more than one axis.
+     * The device was turned, but not about enough axes.
      */
     case directions
 
@@ -3666,7 +3636,7 @@ fileprivate func FfiConverterTypeCompensationMethod_lower(_ value: CompensationM
 public enum CompensationStatus: Equatable, Hashable, Codable {
 
     /**
-     * No calibration yet.
+     * There is no calibration yet.
      */
     case collecting(
         /**
@@ -3694,7 +3664,7 @@ public enum CompensationStatus: Equatable, Hashable, Codable {
          */reason: HoldReason
     )
     /**
-     * The environment is disturbed, not the device.
+     * The place is disturbed, not the device: the calibration is kept, and after 30 s learned on in the field of that place.
      */
     case disturbed(
         /**
@@ -3702,8 +3672,7 @@ public enum CompensationStatus: Equatable, Hashable, Codable {
          */sinceNs: Int64
     )
     /**
-     * This sample was not used, and nothing has changed. 50 of them in a row that agree on another clock begin that
-     * clock (see `push`).
+     * This sample was not used, and changed nothing; 50 in a row that agree on another clock begin that clock.
      */
     case rejected(
         /**
@@ -4038,15 +4007,15 @@ fileprivate func FfiConverterTypeEventRejection_lower(_ value: EventRejection) -
 public enum FieldEventKind: Equatable, Hashable, Codable {
 
     /**
-     * The device's own disturbance (a magnet or cover put on or taken off): relearned.
+     * The device's own disturbance changed (a magnet or cover was put on or taken off), and was relearned.
      */
     case deviceStep
     /**
-     * The device returned to an earlier calibration, which was restored.
+     * The device is as it was before; that calibration was restored.
      */
     case deviceStepBack
     /**
-     * The field of the place stepped: the calibration is held.
+     * The field of the place changed; the calibration is held.
      */
     case placeChanged
 
@@ -4123,7 +4092,7 @@ fileprivate func FfiConverterTypeFieldEventKind_lower(_ value: FieldEventKind) -
 public enum FitProblem: Equatable, Hashable, Codable {
 
     /**
-     * Fewer samples than parameters.
+     * Fewer samples than the nine parameters.
      */
     case tooFewSamples(
         /**
@@ -4131,7 +4100,7 @@ public enum FitProblem: Equatable, Hashable, Codable {
          */have: Int32
     )
     /**
-     * All samples lie near one plane: turn the device about a second axis.
+     * All samples lie near one plane.
      */
     case planar(
         /**
@@ -4139,7 +4108,7 @@ public enum FitProblem: Equatable, Hashable, Codable {
          */thicknessUt: Double
     )
     /**
-     * The directions do not determine the ellipsoid well enough.
+     * The directions seen leave too large an error.
      */
     case poorCoverage(
         /**
@@ -4161,11 +4130,11 @@ public enum FitProblem: Equatable, Hashable, Codable {
          */limitUt: Double
     )
     /**
-     * The best quadric is not an ellipsoid.
+     * A surface that is no ellipsoid fits best.
      */
     case notAnEllipsoid
     /**
-     * The field is too weak or too strong to be the Earth's.
+     * The field is too weak or too strong to be the Earth's. Is the unit microtesla?
      */
     case fieldOutOfRange(
         /**
@@ -4179,7 +4148,7 @@ public enum FitProblem: Equatable, Hashable, Codable {
          */highUt: Double
     )
     /**
-     * A sample was NaN or infinite, or the numbers overflowed.
+     * A sample was NaN or infinite, or the numbers overflowed. Leave such values out.
      */
     case notFinite
 
@@ -4645,11 +4614,11 @@ fileprivate func FfiConverterTypeHeadingAid_lower(_ value: HeadingAid) -> RustBu
 public enum HoldReason: Equatable, Hashable, Codable {
 
     /**
-     * sigma_T is below its threshold: the latest orientations are too much alike.
+     * Method `Windowed` alone: sigma_T is below its threshold, the latest orientations are too much alike.
      */
     case lowUniformity
     /**
-     * The latest fit was refused.
+     * The latest fit was refused, or no place on Earth has such a field; the problem is named. Is the sensor's unit microtesla?
      */
     case fitRefused(
         /**
@@ -4657,15 +4626,15 @@ public enum HoldReason: Equatable, Hashable, Codable {
          */problem: FitProblem
     )
     /**
-     * The method keeps one calibration: by choice it does not follow changes.
+     * Method `Constant` alone: by choice it follows no changes.
      */
     case constant
     /**
-     * The device lies still.
+     * The device lies still; nothing is learned from that.
      */
     case atRest
     /**
-     * The device has hardly been turned of late.
+     * The device was hardly turned of late.
      */
     case tooLittleRotation
     /**
@@ -5365,11 +5334,11 @@ fileprivate func FfiConverterTypeReferenceAxis_lower(_ value: ReferenceAxis) -> 
 public enum RejectReason: Equatable, Hashable, Codable {
 
     /**
-     * A component is NaN or infinite.
+     * A component is NaN or infinite. Check where the samples come from.
      */
     case notFinite
     /**
-     * A component is larger than any phone's magnetometer reads.
+     * A component is beyond the setting `rangeUt`. Is the unit microtesla?
      */
     case outOfRange(
         /**
@@ -5380,7 +5349,7 @@ public enum RejectReason: Equatable, Hashable, Codable {
          */limitUt: Double
     )
     /**
-     * A component is at the sensor's full scale: the true field is larger.
+     * A component is at the sensor's full scale, the setting `railUt` or as found: the true field is larger.
      */
     case saturated(
         /**
@@ -5405,7 +5374,7 @@ public enum RejectReason: Equatable, Hashable, Codable {
          */latestNs: Int64
     )
     /**
-     * Time jumped ahead further than any pause.
+     * Time jumped ahead further than any pause. Is the unit nanoseconds?
      */
     case timeJump(
         /**
@@ -5416,7 +5385,7 @@ public enum RejectReason: Equatable, Hashable, Codable {
          */limitS: Double
     )
     /**
-     * The same value to the last bit for too long: the sensor or its driver hangs.
+     * The same value to the last bit while the device turns, or where neither gyroscope nor accelerometer tells that it rests: the sensor hangs.
      */
     case stuck(
         /**
@@ -5424,7 +5393,7 @@ public enum RejectReason: Equatable, Hashable, Codable {
          */repeats: Int32
     )
     /**
-     * The field turns as if these were the magnetometer's axes: an app has mixed up two frames. Asked again with every turn.
+     * The field turns as if the magnetometer had other axes than the gyroscope; the text says which. Asked again with every turn. Give both sensors the same axes.
      */
     case axes(
         /**
@@ -5673,7 +5642,7 @@ public enum SensorMode: Equatable, Hashable, Codable {
      */
     case gravityOnly
     /**
-     * Neither: as `GravityOnly`, and there is no heading.
+     * Neither: changes are followed slower, and there is no heading.
      */
     case magnetometerOnly
 
@@ -6621,7 +6590,7 @@ private let initializationResult: InitializationResult = {
     if bindings_contract_version != scaffolding_contract_version {
         return InitializationResult.contractVersionMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_func_default_config() != 44422) {
+    if (uniffi_magcomp_ffi_checksum_func_default_config() != 60631) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_func_geomagnetic_field() != 20464) {
@@ -6669,7 +6638,7 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_method_compensator_keep() != 31565) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_push() != 28046) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_push() != 23445) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_push_gap() != 2014) {
@@ -6693,7 +6662,7 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_method_compensator_found_declination() != 51137) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_compensator_heading_aid() != 17167) {
+    if (uniffi_magcomp_ffi_checksum_method_compensator_heading_aid() != 46762) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_compensator_push_attitude() != 21175) {
@@ -6708,7 +6677,7 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_method_constantfield_coverage() != 46801) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_method_constantfield_finish() != 35652) {
+    if (uniffi_magcomp_ffi_checksum_method_constantfield_finish() != 15613) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_method_constantfield_orientations() != 28052) {
@@ -6720,7 +6689,7 @@ private let initializationResult: InitializationResult = {
     if (uniffi_magcomp_ffi_checksum_method_constantfield_shut_down() != 63903) {
         return InitializationResult.apiChecksumMismatch
     }
-    if (uniffi_magcomp_ffi_checksum_constructor_compensator_new() != 2126) {
+    if (uniffi_magcomp_ffi_checksum_constructor_compensator_new() != 24496) {
         return InitializationResult.apiChecksumMismatch
     }
     if (uniffi_magcomp_ffi_checksum_constructor_constantfield_new() != 48531) {

@@ -408,11 +408,6 @@ void uniffi_magcomp_ffi_fn_method_constantfield_shut_down(uint64_t ptr, RustCall
 RustBuffer uniffi_magcomp_ffi_fn_method_magcomperror_text(RustBuffer ptr, RustCallStatus *_Nonnull out_status
 );
 #endif
-#ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_HEADINGAID_TEXT
-#define UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_HEADINGAID_TEXT
-RustBuffer uniffi_magcomp_ffi_fn_method_headingaid_text(RustBuffer ptr, RustCallStatus *_Nonnull out_status
-);
-#endif
 #ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_EVENTREJECTION_TEXT
 #define UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_EVENTREJECTION_TEXT
 RustBuffer uniffi_magcomp_ffi_fn_method_eventrejection_text(RustBuffer ptr, RustCallStatus *_Nonnull out_status
@@ -421,6 +416,11 @@ RustBuffer uniffi_magcomp_ffi_fn_method_eventrejection_text(RustBuffer ptr, Rust
 #ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_FITPROBLEM_TEXT
 #define UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_FITPROBLEM_TEXT
 RustBuffer uniffi_magcomp_ffi_fn_method_fitproblem_text(RustBuffer ptr, RustCallStatus *_Nonnull out_status
+);
+#endif
+#ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_HEADINGAID_TEXT
+#define UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_HEADINGAID_TEXT
+RustBuffer uniffi_magcomp_ffi_fn_method_headingaid_text(RustBuffer ptr, RustCallStatus *_Nonnull out_status
 );
 #endif
 #ifndef UNIFFI_FFIDEF_UNIFFI_MAGCOMP_FFI_FN_METHOD_REJECTREASON_TEXT

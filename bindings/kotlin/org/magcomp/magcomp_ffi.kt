@@ -832,11 +832,11 @@ internal object UniffiLib {
     ): Unit
     external fun uniffi_magcomp_ffi_fn_method_magcomperror_text(`ptr`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
     ): RustBuffer.ByValue
-    external fun uniffi_magcomp_ffi_fn_method_headingaid_text(`ptr`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
-    ): RustBuffer.ByValue
     external fun uniffi_magcomp_ffi_fn_method_eventrejection_text(`ptr`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
     ): RustBuffer.ByValue
     external fun uniffi_magcomp_ffi_fn_method_fitproblem_text(`ptr`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
+    ): RustBuffer.ByValue
+    external fun uniffi_magcomp_ffi_fn_method_headingaid_text(`ptr`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
     ): RustBuffer.ByValue
     external fun uniffi_magcomp_ffi_fn_method_rejectreason_text(`ptr`: RustBuffer.ByValue,uniffi_out_err: UniffiRustCallStatus,
     ): RustBuffer.ByValue
@@ -977,7 +977,7 @@ private fun uniffiCheckContractApiVersion(lib: IntegrityCheckingUniffiLib) {
 }
 @Suppress("UNUSED_PARAMETER")
 private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
-    if ((lib.uniffi_magcomp_ffi_checksum_func_default_config() and 0xFFFF) != 44422) {
+    if ((lib.uniffi_magcomp_ffi_checksum_func_default_config() and 0xFFFF) != 60631) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_func_geomagnetic_field() and 0xFFFF) != 20464) {
@@ -1025,7 +1025,7 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_keep() and 0xFFFF) != 31565) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push() and 0xFFFF) != 28046) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push() and 0xFFFF) != 23445) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push_gap() and 0xFFFF) != 2014) {
@@ -1049,7 +1049,7 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_found_declination() and 0xFFFF) != 51137) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_heading_aid() and 0xFFFF) != 17167) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_heading_aid() and 0xFFFF) != 46762) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_compensator_push_attitude() and 0xFFFF) != 21175) {
@@ -1064,7 +1064,7 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_method_constantfield_coverage() and 0xFFFF) != 46801) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_method_constantfield_finish() and 0xFFFF) != 35652) {
+    if ((lib.uniffi_magcomp_ffi_checksum_method_constantfield_finish() and 0xFFFF) != 15613) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_method_constantfield_orientations() and 0xFFFF) != 28052) {
@@ -1076,7 +1076,7 @@ private fun uniffiCheckApiChecksums(lib: IntegrityCheckingUniffiLib) {
     if ((lib.uniffi_magcomp_ffi_checksum_method_constantfield_shut_down() and 0xFFFF) != 63903) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
-    if ((lib.uniffi_magcomp_ffi_checksum_constructor_compensator_new() and 0xFFFF) != 2126) {
+    if ((lib.uniffi_magcomp_ffi_checksum_constructor_compensator_new() and 0xFFFF) != 24496) {
         throw RuntimeException("UniFFI API checksum mismatch: try cleaning and rebuilding your project")
     }
     if ((lib.uniffi_magcomp_ffi_checksum_constructor_constantfield_new() and 0xFFFF) != 48531) {
@@ -2675,33 +2675,27 @@ data class CompensationConfig (
     val `initial`: MagnetometerCalibration? = null
     ,
     /**
-     * One standard deviation of each component of `initial`'s hard iron, microtesla, 0.01 to 1000. Default 2; larger makes the
-     * first headings less sure, and learning faster.
+     * One standard deviation of each component of `initial`'s hard iron, microtesla, 0.01 to 1000. Default 2; larger makes the first headings less sure, and learning faster.
      */
     val `initialSigmaUt`: kotlin.Double? = null
     ,
     /**
-     * Whether the operating system's own hard-iron estimate, where samples carry one, becomes the first calibration
-     * when there is no other. There are then readings from the first sample on, with a standard deviation of 13
-     * microtesla per axis. Default true.
+     * Whether the operating system's own hard-iron estimate, where samples carry one, becomes the first calibration when there is no other. There are then readings from the first sample on, with a standard deviation of 13 microtesla per axis. Default true.
      */
     val `useReportedHardIron`: kotlin.Boolean? = null
     ,
     /**
-     * Largest component of a raw sample, microtesla, 1 to 100 000; a larger one is rejected. Default 2000; larger accepts stronger
-     * magnets.
+     * Largest component of a raw sample, microtesla, 1 to 100 000; a larger one is rejected. Default 2000; larger accepts stronger magnets.
      */
     val `rangeUt`: kotlin.Double? = null
     ,
     /**
-     * The magnetometer's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected
-     * as saturated. 1 to 100 000. Default null: it is found once an axis has read the same extreme again and again in motion.
+     * The magnetometer's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected as saturated. 1 to 100 000. Default null: it is found once an axis has read the same extreme again and again in motion.
      */
     val `railUt`: kotlin.Double? = null
     ,
     /**
-     * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
-     * carries the sensor's scale. Every method listens to it. Default null: found by the method.
+     * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron carries the sensor's scale. Every method listens to it. Default null: found by the method.
      */
     val `fieldStrengthUt`: kotlin.Double? = null
     ,
@@ -3167,8 +3161,7 @@ data class FitOptions (
     val `residual`: FitResidual? = null
     ,
     /**
-     * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron
-     * carries the sensor's scale. Every method listens to it. Default null: found by the method.
+     * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron carries the sensor's scale. Every method listens to it. Default null: found by the method.
      */
     val `fieldStrengthUt`: kotlin.Double? = null
     ,
@@ -3203,8 +3196,7 @@ data class FitOptions (
     val `maxIterations`: kotlin.Int? = null
     ,
     /**
-     * The iteration has converged when a step changes no parameter by more than this (field strengths), 1e-16 to 0.1. Default
-     * 1e-10.
+     * The iteration has converged when a step changes no parameter by more than this (field strengths), 1e-16 to 0.1. Default 1e-10.
      */
     val `tolerance`: kotlin.Double? = null
 
@@ -3519,12 +3511,12 @@ data class MagneticReading (
     val `fieldSigmaUt`: kotlin.Double?
     ,
     /**
-     * The estimator's own, smoother estimate of the same vector, microtesla, where it has one; the heading comes from it.
+     * The estimator's own, smoother estimate of the same vector, microtesla; the heading comes from it. Null where it has none.
      */
     val `filteredFieldUt`: DeviceVector?
     ,
     /**
-     * Length of `fieldUt`, microtesla.
+     * Length of `fieldUt`, microtesla. Null where that is not known.
      */
     val `totalFieldUt`: kotlin.Double?
     ,
@@ -3534,13 +3526,12 @@ data class MagneticReading (
     val `heading`: CompassHeading?
     ,
     /**
-     * How the device lies in the world, also where the heading's axis is vertical. Null without a calibration, without a recent
-     * `up`, or where the field is vertical.
+     * How the device lies in the world, also where the heading's axis is vertical. Null without a calibration, without a recent `up`, or where the field is vertical.
      */
     val `attitude`: DeviceAttitude?
     ,
     /**
-     * Uniformity sigma_T of the latest orientations, 0 to about 1, dimensionless.
+     * Uniformity sigma_T of the latest orientations, 0 to about 1, dimensionless. Null until there are enough of them and a calibration.
      */
     val `sigmaT`: kotlin.Double?
     ,
@@ -3555,26 +3546,22 @@ data class MagneticReading (
     val `coverage`: kotlin.Double
     ,
     /**
-     * Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. Null when it
-     * is not known.
+     * Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. Null when it is not known.
      */
     val `directionSigmaDeg`: kotlin.Double?
     ,
     /**
-     * The same for the one combination of parameters that is known worst, degrees. It is large where the directions
-     * seen do not determine the parameters, also where `sigmaT` does not show that. Adaptive method only.
+     * The same for the one combination of parameters that is known worst, degrees. It is large where the directions seen do not determine the parameters, also where `sigmaT` does not show that. Adaptive method only. Null when it is not known.
      */
     val `worstSigmaDeg`: kotlin.Double?
     ,
     /**
-     * Which parameters the latest change set free. Adaptive method only.
+     * Which parameters the latest change set free. Adaptive method only. Null when it is not known.
      */
     val `modelOrder`: ModelOrder?
     ,
     /**
-     * By how much the operating system's own hard-iron estimate jumped with this sample, microtesla. Null when it did
-     * not jump or is not reported. A jump means that the operating system has recalibrated; the raw field has not
-     * changed.
+     * By how much the operating system's own hard-iron estimate jumped with this sample, microtesla. A jump means that the operating system has recalibrated; the raw field has not changed. Null when it did not jump or is not reported.
      */
     val `reportedHardIronJumpUt`: kotlin.Double?
     ,
@@ -3981,14 +3968,12 @@ data class WindowedConfig (
     val `normalisation`: SigmaNormalisation? = null
     ,
     /**
-     * The residual that fits square and sum. Default `Corrected`. `Algebraic` follows the paper as written: a window
-     * is fitted however far its samples lie from one ellipsoid.
+     * The residual that fits square and sum. Default `Corrected`. `Algebraic` follows the paper as written: a window is fitted however far its samples lie from one ellipsoid.
      */
     val `residual`: FitResidual? = null
     ,
     /**
-     * Least white noise, microtesla per axis, 0 to 1000, for which a fit is judged. Default 5; smaller accepts poorer
-     * coverage where the residual is small.
+     * Least white noise, microtesla per axis, 0 to 1000, for which a fit is judged. Default 5; smaller accepts poorer coverage where the residual is small.
      */
     val `noiseFloorUt`: kotlin.Double? = null
 
@@ -4043,7 +4028,7 @@ internal object FfiConverterTypeWindowedConfig: FfiConverterRustBuffer<WindowedC
 sealed class CollectingReason {
 
     /**
-     * More samples before a first fit is tried.
+     * Too few samples for a first fit.
      */
     data class Samples(
         /**
@@ -4062,7 +4047,7 @@ sealed class CollectingReason {
     }
 
     /**
-     * The samples allow no fit yet.
+     * The samples allow no fit; the problem is named.
      */
     data class Fit(
         /**
@@ -4077,13 +4062,13 @@ sealed class CollectingReason {
     }
 
     /**
-     * The device must be turned.
+     * The device was hardly turned.
      */
     object Rotation : CollectingReason()
 
 
     /**
-     * More directions, turned about more than one axis.
+     * The device was turned, but not about enough axes.
      */
     object Directions : CollectingReason()
 
@@ -4239,7 +4224,7 @@ internal object FfiConverterTypeCompensationMethod: FfiConverterRustBuffer<Compe
 sealed class CompensationStatus {
 
     /**
-     * No calibration yet.
+     * There is no calibration yet.
      */
     data class Collecting(
         /**
@@ -4290,7 +4275,7 @@ sealed class CompensationStatus {
     }
 
     /**
-     * The environment is disturbed, not the device.
+     * The place is disturbed, not the device: the calibration is kept, and after 30 s learned on in the field of that place.
      */
     data class Disturbed(
         /**
@@ -4305,8 +4290,7 @@ sealed class CompensationStatus {
     }
 
     /**
-     * This sample was not used, and nothing has changed. 50 of them in a row that agree on another clock begin that
-     * clock (see `push`).
+     * This sample was not used, and changed nothing; 50 in a row that agree on another clock begin that clock.
      */
     data class Rejected(
         /**
@@ -4591,15 +4575,15 @@ internal object FfiConverterTypeEventRejection: FfiConverterRustBuffer<EventReje
 enum class FieldEventKind {
 
     /**
-     * The device's own disturbance (a magnet or cover put on or taken off): relearned.
+     * The device's own disturbance changed (a magnet or cover was put on or taken off), and was relearned.
      */
     DEVICE_STEP,
     /**
-     * The device returned to an earlier calibration, which was restored.
+     * The device is as it was before; that calibration was restored.
      */
     DEVICE_STEP_BACK,
     /**
-     * The field of the place stepped: the calibration is held.
+     * The field of the place changed; the calibration is held.
      */
     PLACE_CHANGED;
 
@@ -4639,7 +4623,7 @@ internal object FfiConverterTypeFieldEventKind: FfiConverterRustBuffer<FieldEven
 sealed class FitProblem {
 
     /**
-     * Fewer samples than parameters.
+     * Fewer samples than the nine parameters.
      */
     data class TooFewSamples(
         /**
@@ -4654,7 +4638,7 @@ sealed class FitProblem {
     }
 
     /**
-     * All samples lie near one plane: turn the device about a second axis.
+     * All samples lie near one plane.
      */
     data class Planar(
         /**
@@ -4669,7 +4653,7 @@ sealed class FitProblem {
     }
 
     /**
-     * The directions do not determine the ellipsoid well enough.
+     * The directions seen leave too large an error.
      */
     data class PoorCoverage(
         /**
@@ -4707,13 +4691,13 @@ sealed class FitProblem {
     }
 
     /**
-     * The best quadric is not an ellipsoid.
+     * A surface that is no ellipsoid fits best.
      */
     object NotAnEllipsoid : FitProblem()
 
 
     /**
-     * The field is too weak or too strong to be the Earth's.
+     * The field is too weak or too strong to be the Earth's. Is the unit microtesla?
      */
     data class FieldOutOfRange(
         /**
@@ -4736,7 +4720,7 @@ sealed class FitProblem {
     }
 
     /**
-     * A sample was NaN or infinite, or the numbers overflowed.
+     * A sample was NaN or infinite, or the numbers overflowed. Leave such values out.
      */
     object NotFinite : FitProblem()
 
@@ -5144,13 +5128,13 @@ internal object FfiConverterTypeHeadingAid: FfiConverterRustBuffer<HeadingAid> {
 sealed class HoldReason {
 
     /**
-     * sigma_T is below its threshold: the latest orientations are too much alike.
+     * Method `Windowed` alone: sigma_T is below its threshold, the latest orientations are too much alike.
      */
     object LowUniformity : HoldReason()
 
 
     /**
-     * The latest fit was refused.
+     * The latest fit was refused, or no place on Earth has such a field; the problem is named. Is the sensor's unit microtesla?
      */
     data class FitRefused(
         /**
@@ -5165,19 +5149,19 @@ sealed class HoldReason {
     }
 
     /**
-     * The method keeps one calibration: by choice it does not follow changes.
+     * Method `Constant` alone: by choice it follows no changes.
      */
     object Constant : HoldReason()
 
 
     /**
-     * The device lies still.
+     * The device lies still; nothing is learned from that.
      */
     object AtRest : HoldReason()
 
 
     /**
-     * The device has hardly been turned of late.
+     * The device was hardly turned of late.
      */
     object TooLittleRotation : HoldReason()
 
@@ -5835,13 +5819,13 @@ internal object FfiConverterTypeReferenceAxis: FfiConverterRustBuffer<ReferenceA
 sealed class RejectReason {
 
     /**
-     * A component is NaN or infinite.
+     * A component is NaN or infinite. Check where the samples come from.
      */
     object NotFinite : RejectReason()
 
 
     /**
-     * A component is larger than any phone's magnetometer reads.
+     * A component is beyond the setting `rangeUt`. Is the unit microtesla?
      */
     data class OutOfRange(
         /**
@@ -5860,7 +5844,7 @@ sealed class RejectReason {
     }
 
     /**
-     * A component is at the sensor's full scale: the true field is larger.
+     * A component is at the sensor's full scale, the setting `railUt` or as found: the true field is larger.
      */
     data class Saturated(
         /**
@@ -5902,7 +5886,7 @@ sealed class RejectReason {
     }
 
     /**
-     * Time jumped ahead further than any pause.
+     * Time jumped ahead further than any pause. Is the unit nanoseconds?
      */
     data class TimeJump(
         /**
@@ -5921,7 +5905,7 @@ sealed class RejectReason {
     }
 
     /**
-     * The same value to the last bit for too long: the sensor or its driver hangs.
+     * The same value to the last bit while the device turns, or where neither gyroscope nor accelerometer tells that it rests: the sensor hangs.
      */
     data class Stuck(
         /**
@@ -5936,7 +5920,7 @@ sealed class RejectReason {
     }
 
     /**
-     * The field turns as if these were the magnetometer's axes: an app has mixed up two frames. Asked again with every turn.
+     * The field turns as if the magnetometer had other axes than the gyroscope; the text says which. Asked again with every turn. Give both sensors the same axes.
      */
     data class Axes(
         /**
@@ -6198,7 +6182,7 @@ enum class SensorMode {
      */
     GRAVITY_ONLY,
     /**
-     * Neither: as `GravityOnly`, and there is no heading.
+     * Neither: changes are followed slower, and there is no heading.
      */
     MAGNETOMETER_ONLY;
 
