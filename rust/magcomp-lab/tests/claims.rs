@@ -266,9 +266,10 @@ fn the_evaluations_lines_are_those_of_the_command() {
             let median = |runs: Runs| runs.median.unwrap_or(f64::INFINITY);
             agree(&line.name, median(line.line.settled_s), figure(&row["settled_median_s"]), 1.0);
             agree(&line.name, median(line.line.heading_deg), figure(&row["error_median_deg"]), 0.2);
+            // three runs in three rooms: of one the share is .69 to 1
             let [_, two] = line.line.within.expect("headings");
             assert!(
-                (100.0 * two - figure(&row["within_2_sigma_percent"])).abs() < 8.0,
+                (100.0 * two - figure(&row["within_2_sigma_percent"])).abs() < 20.0,
                 "{}: {two} within two sigmas",
                 line.name
             );

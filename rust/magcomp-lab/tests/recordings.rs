@@ -366,6 +366,12 @@ fn magnets_are_put_on_recordings_without_one() {
     let (_, table, _) = evaluate(folder.path(), &["--magnets", "--seeds", "2-3", "--without-gyroscope"]);
     let rows = table.lines().filter(|line| line.contains("arithmetic, not a real magnet)"));
     assert_eq!(rows.count(), 9, "{table}");
+    fs::write(folder.path().join("INDEX.csv"), index.replace("free,one,0,", "free,one,0,30-50")).unwrap();
+    let (code, out, error) = evaluate(folder.path(), &["--magnets"]);
+    assert!(
+        code == 2 && out.is_empty() && error.contains("a magnet can be put on no recording of this folder"),
+        "{error}"
+    );
     for wrong in [&["--seeds", "1-2"][..], &["--magnets", "--group", "steps"], &["--magnets", "--judge"]] {
         assert_eq!(evaluate(folder.path(), wrong).0, 2, "{wrong:?}");
     }

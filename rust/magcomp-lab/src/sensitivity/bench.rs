@@ -49,16 +49,16 @@ const ALONE: &[&str] = &[
 const MAGNETS_SEED: u64 = 1;
 /// Mechanisms that read the same state, with their part: each pair of a line is tried off at once.
 pub(super) const TOGETHER: &[(&str, &[&str])] = &[
-    ("aided", &["hold", "left", "ramp", "new_place", "quarantine"]),
+    ("aided", &["hold", "left", "ramp", "new_place", "quarantine", "probation"]),
     ("aided", &["unevenness", "local_learning", "local_gate", "followed", "hard_iron_walk"]),
     ("aided", &["gyroscope_axes", "delay", "recent", "second_order"]),
+    ("aided", &["follow", "long_up"]),
     ("aided", &["misfit", "feigned"]),
     ("adaptive", &["cold_again", "leap", "twins", "spread"]),
     ("adaptive", &["looks", "moves", "gradual", "recall"]),
     ("adaptive", &["rough", "unevenness", "stays"]),
     ("adaptive", &["tilting", "accelerometer_bias"]),
-    ("compensator", &["axes", "vouching", "field_axes"]),
-    ("compensator", &["rails", "stuck", "hanging"]),
+    ("compensator", &["rails", "stuck"]),
 ];
 /// Parts of the core that have a part in one way alone; all others are tried in both.
 const IN_ONE_WAY: [(&str, Way); 3] =

@@ -168,9 +168,10 @@ pub fn put_on_folder(
     ignore: Ignore,
     threads: NonZeroUsize,
 ) -> Result<MagnetTrials, LabError> {
-    let folder = Folder::open(folder, index)?;
-    let played = progress::map("magnets", &folder.paths, threads, |path| -> Result<_, LabError> {
-        let trial = folder.read(path)?;
+    let path = folder;
+    let folder = Folder::open(path, index)?;
+    let played = progress::map("magnets", &folder.paths, threads, |file| -> Result<_, LabError> {
+        let trial = folder.read(file)?;
         if !trial.takes_magnets() {
             return Ok((Vec::new(), Some(format!("{}: left out, it has a magnet of its own", trial.name))));
         }
@@ -190,8 +191,8 @@ pub fn put_on_folder(
         warnings.extend(warning);
     }
     if runs.is_empty() {
-        let why = "no recording here has 100 headings before a magnet and rows behind it, and none of its own; a minute is enough";
-        return Err(LabError::Usage(why.to_owned()));
+        let why = "a magnet can be put on no recording of this folder: each needs a minute, 100 headings before it, and none of its own (magnet_s)";
+        return Err(LabError::Usage(format!("{}: {why}", path.display())));
     }
     let groups = folder.groups.names().into_iter().map(str::to_owned).collect();
     Ok(MagnetTrials { label: LABEL, groups, runs, warnings })
