@@ -210,6 +210,10 @@ def comparison_page(pages):
     pages.table(page, "### How sure", sure)
     sensor = ["nothing disturbs", "past a magnet that stands still", "a magnet on the sensor"]
     pages.table(page, "## A sensor with magnets", rows(sensor, "rms_deg"))
+    north = [median(scores(pages, sensor[0], method, "north_rms_deg")) for method in ("VQF on the raw field", "x-io Fusion on the raw field", OURS)]
+    pages.sentence(page, "Against north VQF on its raw field has {:.1f} degrees, x-io Fusion {:.1f}, magcomp {:.1f}.", north)
+    answered = scores(pages, sensor[2], OURS, "answered_percent")
+    pages.sentence(page, "magcomp answers {:.0f} % of all rows, VQF and x-io Fusion all.", [sum(answered) / len(answered)])
     magnets = [line for line in lines if line["group"] == sensor[2] and line["method"] == OURS]
     pages.table(page, "### The magnet's field", [[line["recording"], line["step_ut"], line["step_off_ut"]] for line in magnets])
 
@@ -233,6 +237,29 @@ def readme(pages):
     pages.sentence("docs/LIMITS.md", "the heading is of no use: {:.1f} degrees off, {:.1f} at worst", [median(alone), max(alone)])
     [car] = [line for line in data(pages, EVALUATION) if line["situation"] == "in a hand, a car of 30 uT closes at 30 s"]
     pages.sentence("README.md", "in a car without satellite courses: {} degrees off in a hand", [car["error_median_deg"]])
+
+
+# How pages say what share of magcomp's work VQF takes.
+SHARES = {2: "half", 3: "a third", 4: "a quarter", 5: "a fifth", 6: "a sixth", 7: "a seventh", 8: "an eighth"}
+
+
+def cost(pages):
+    """Instructions a sample and times VQF are those of COST at 100 Hz."""
+    [row] = [cells(row) for row in pages.text("docs/dev/COST.md").splitlines() if row.startswith("| 100 |")]
+    instructions, share = f"{int(row[1]):,}".replace(",", " "), SHARES.get(round(float(row[2])), "?")
+    for name, pattern, says in (
+        ("README.md", r"(?<=A sample costs )[\d ]+(?= instructions)", instructions),
+        ("docs/GUIDE.md", r"[\d ]+(?= instructions a sample at 100 Hz)", instructions),
+        ("README.md", r"(?<=nearer north, for ).*(?= of the work)", share),
+        ("docs/COMPARISON.md", r"(?<=takes )an? \w+(?= of the work)", share),
+        ("docs/GUIDE.md", r"(?<=on the raw field costs )an? \w+", share),
+    ):
+        found = re.search(pattern, pages.text(name))
+        if found is None:
+            pages.wrong.append(f"{name}: nothing reads {pattern!r}")
+        elif found.group().strip() != says:
+            text, (begin, end) = pages.text(name), found.span()
+            pages.expect(name, text[begin - 20 : end + 20], text[begin - 20 : begin] + says + text[end : end + 20], "COST")
 
 
 def comparison(pages, phones=None, put_on=None):
@@ -367,7 +394,7 @@ def main():
     if what not in runs or len(folders) not in ((0, 2) if what == "comparison" else (0,)):
         sys.exit(__doc__)
     pages = Pages()
-    for part in [*runs[what], limits, evaluation_page, comparison_page, readme]:
+    for part in [*runs[what], limits, evaluation_page, comparison_page, readme, cost]:
         part(pages)
     for wrong in pages.wrong:
         print(f"figures: {wrong}", file=sys.stderr)
