@@ -119,7 +119,7 @@ impl Report {
 
     /// Adds a card: a word, why, and what to do next.
     pub fn card(&mut self, word: &str, why: &[String], next: &[String]) {
-        let list = |texts: &[String]| texts.iter().map(|text| format!("<li>{}</li>", escape(text))).collect::<String>();
+        let list = |texts: &[String]| texts.iter().map(|text| format!("<li>{}</li>", shown(text))).collect::<String>();
         let why = if why.is_empty() { String::new() } else { format!("<ul>{}</ul>", list(why)) };
         let next = if next.is_empty() { String::new() } else { format!("<p>Next:</p><ul>{}</ul>", list(next)) };
         let word = escape(word);
@@ -134,7 +134,7 @@ impl Report {
 
     /// Adds a paragraph.
     pub fn text(&mut self, text: &str) {
-        self.html(format!("<p>{}</p>\n", escape(text)));
+        self.html(format!("<p>{}</p>\n", shown(text)));
     }
 
     /// Folds what `add` adds under one line that opens it.
@@ -165,20 +165,20 @@ impl Report {
         self.tables += 1;
         let number = self.tables;
         let cells = |tag: &str, cells: &[String]| -> String {
-            cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escape(cell))).collect()
+            cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", shown(cell))).collect()
         };
         let mut html = format!(
             "<figure class=\"table\"><p class=\"title\" id=\"table{number}\">{}</p>\n{}\
              <div class=\"{}\"><table aria-labelledby=\"table{number}\">\n<thead><tr>{}</tr></thead>\n<tbody>\n",
             escape(&table.title),
-            table.lead.iter().map(|text| format!("<p>{}</p>\n", escape(text))).collect::<String>(),
+            table.lead.iter().map(|text| format!("<p>{}</p>\n", shown(text))).collect::<String>(),
             setting(table),
             cells("th", &table.columns)
         );
         for row in &table.rows {
             let _ = writeln!(html, "<tr>{}</tr>", cells("td", row));
         }
-        let notes: String = table.notes.iter().map(|note| format!("<p>{}</p>", escape(note))).collect();
+        let notes: String = table.notes.iter().map(|note| format!("<p>{}</p>", shown(note))).collect();
         let _ = writeln!(html, "</tbody></table></div><figcaption>{notes}</figcaption></figure>");
         self.html(html);
     }
@@ -289,6 +289,24 @@ pub fn quoted(arguments: impl Iterator<Item = String>) -> String {
     std::iter::once("magcomp".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ")
 }
 
+/// A text as the page shows it: without folders, as the command.
+fn shown(text: &str) -> String {
+    escape(&without_paths(text))
+}
+
+/// A text whose absolute paths are cut to their last part.
+fn without_paths(text: &str) -> String {
+    let cut = |word: &str| {
+        let bare = word.trim_matches(|c: char| "'\"()[],;:".contains(c));
+        let is_path = (bare.starts_with('/') || Path::new(bare).is_absolute()) && bare.matches(['/', '\\']).count() > 1;
+        match Path::new(bare).file_name().filter(|_| is_path) {
+            Some(name) => word.replace(bare, &name.to_string_lossy()),
+            None => word.to_owned(),
+        }
+    };
+    text.split(' ').map(cut).collect::<Vec<_>>().join(" ")
+}
+
 fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
@@ -336,6 +354,22 @@ mod tests {
         pairs(STYLE, &["good", "doubtful", "bad"], 3.0, &["paper", "card"]);
         pairs(include_str!("replay/sphere.html"), &["ink", "soft"], 4.5, &["paper"]);
         pairs(include_str!("replay/sphere.html"), &["fixed"], 3.0, &["paper"]);
+    }
+
+    #[test]
+    fn a_text_names_no_folder() {
+        let told = "/home/ann/a.csv: 3 rows left out (see '/x/y/b.csv'), 9.8 m/s^2, 2 /h, a/b, https://x.org/y/z";
+        let cut = "a.csv: 3 rows left out (see 'b.csv'), 9.8 m/s^2, 2 /h, a/b, https://x.org/y/z";
+        assert_eq!(without_paths(told), cut);
+        let mut report = Report::new("a", "b");
+        report.card("good", &[told.to_owned()], &[]);
+        report.text(told);
+        let mut table = Table::new("table", &["a", "b"]);
+        table.row(vec![told.to_owned(), String::new()]);
+        table.note(told);
+        report.table(&table);
+        let page = report.alone("");
+        assert!(!page.contains("/home/ann") && page.matches("a.csv: 3 rows").count() == 4, "{page}");
     }
 
     #[test]
