@@ -133,12 +133,12 @@ def evaluation_page(pages):
         within = [share for line in own if (share := number(line, "within_2_sigma_percent")) is not None]
         shown = [f"{median(errors):.1f}", f"{max(errors):.1f}"] if errors else ["-", "-"]
         answered = [share for line in own if (share := number(line, "answered_percent")) is not None]
-        rows.append([group, str(len(own)), f"{median(answered):.0f}" if answered else "-", *shown, f"{min(within):.0f}" if within else "-"])
+        rows.append([group.removeprefix("Carried phones: "), str(len(own)), f"{median(answered):.0f}" if answered else "-", *shown, f"{min(within):.0f}" if within else "-"])
     pages.table(page, "## Groups", rows)
     judged = [line for line in lines if line["error_median_deg"]]
     judged.sort(key=lambda line: -float(line["error_median_deg"]))
-    keys = ("answered_percent", "error_median_deg", "error_worst_deg", "within_2_sigma_percent", "lie_s")
-    pages.table(page, "## The twenty worst", [[line["situation"], line["group"], *(line[key] or "-" for key in keys)] for line in judged[:WORST]])
+    keys = ("answered_percent", "error_median_deg", "error_worst_deg", "within_2_sigma_percent")
+    pages.table(page, "## The twenty worst", [[line["situation"], *(line[key] or "-" for key in keys)] for line in judged[:WORST]])
     narrow = sum((number(line, "within_2_sigma_percent") or 100) < LEAST_WITHIN for line in judged)
     lies = sum(number(line, "lie_s") > MOST_LIE_S for line in lines)
     false = sum(number(line, "false_per_h") > MOST_FALSE_PER_H for line in lines)
@@ -166,9 +166,9 @@ def evaluation(pages):
         elif old["error_median_deg"] and line["error_median_deg"]:
             was, now = float(old["error_median_deg"]), float(line["error_median_deg"])
             # of errors of some degrees the ratio says more than the difference; those below half a degree do not matter
-            changed.append((max(was, 0.5) / max(now, 0.5), [line["situation"], line["group"], f"{was:.1f}", f"{now:.1f}"]))
+            changed.append((max(was, 0.5) / max(now, 0.5), [line["situation"], f"{was:.1f}", f"{now:.1f}"]))
     changed.sort(key=lambda one: -max(one[0], 1 / one[0]))
-    pages.table("docs/EVALUATION.md", "## Since the page before", [row for ratio, row in changed[:10] if ratio != 1] or [["nothing", "", "", ""]])
+    pages.table("docs/EVALUATION.md", "## Since the page before", [row for ratio, row in changed[:6] if ratio != 1] or [["nothing", "", ""]])
 
 
 # COMPARISON's groups of phones, and how its tables call the methods.
@@ -177,13 +177,18 @@ PUT_ON = ", a magnet put on"
 FUSED, SYSTEM, VQF, OURS = "the phone's own heading", "the system's field", "VQF on the system's field", "magcomp: heading"
 
 
+# In the data alone: of no use on a phone, whose own field is larger than the Earth's, or the same as a calibration of that day.
+LEFT_OUT = {"the raw field", "x-io Fusion on the raw field", "VQF on the raw field", "an ellipsoid, window of 2000", "the paper's method, cold",
+            "the paper's method, with its first step"}
+
+
 def scores(pages, group, method, key="rms_deg"):
     return [float(line[key]) for line in data(pages, COMPARISON) if (line["group"], line["method"]) == (group, method) and line[key]]
 
 
 def two(values):
     """Median and worst."""
-    return f"{median(values):.1f} / {max(values):.1f}" if values else "-"
+    return f"{median(values):.1f} ({max(values):.1f})" if values else "-"
 
 
 def comparison_page(pages):
@@ -193,9 +198,9 @@ def comparison_page(pages):
     def rows(groups, key, methods=methods):
         table = [[method, *(two(scores(pages, group, method, key)) for group in groups)] for method in methods]
         table = [row for row in table if set(row[1:]) != {"-"}]
-        first = lambda row: min(float(cell.split(" / ")[0]) for cell in row[1:] if cell != "-")
-        return sorted(table, key=lambda row: float(row[1].split(" / ")[0]) if row[1] != "-" else first(row))
-    pages.table(page, "### Up to one constant", rows(phones, "rms_deg"))
+        first = lambda row: min(float(cell.split()[0]) for cell in row[1:] if cell != "-")
+        return sorted(table, key=lambda row: float(row[1].split()[0]) if row[1] != "-" else first(row))
+    pages.table(page, "### Up to one constant", rows(phones, "rms_deg", [method for method in methods if method not in LEFT_OUT]))
     pages.table(page, "### Against north", rows(phones, "north_rms_deg", [FUSED, SYSTEM, VQF, "VQF on a fit with the gyroscope's turns", "VQF on magcomp's corrected sample", OURS]))
     sure = []
     for group in phones:
@@ -206,10 +211,10 @@ def comparison_page(pages):
             off = [float(line["step_off_ut"]) for line in own if line["step_off_ut"]]
             changes = sum(int(line["device_changes"]) for line in own)
             true = len(own) if group.endswith(PUT_ON) else 0
-            sure.append([group, str(len(own)), f"{mean:.0f}", f"{median(within):.0f} / {min(within):.0f}", f"{changes} of {true}", two(off)])
+            sure.append([group, str(len(own)), f"{mean:.0f}", f"{median(within):.0f} ({min(within):.0f})", f"{changes} of {true}", two(off)])
     pages.table(page, "### How sure", sure)
     sensor = ["nothing disturbs", "past a magnet that stands still", "a magnet on the sensor"]
-    pages.table(page, "## A sensor with magnets", rows(sensor, "rms_deg"))
+    pages.table(page, "## A sensor with magnets", rows(sensor, "rms_deg", [method for method in methods if "window of" not in method]))
     north = [median(scores(pages, sensor[0], method, "north_rms_deg")) for method in ("VQF on the raw field", "x-io Fusion on the raw field", OURS)]
     pages.sentence(page, "Against north VQF on its raw field has {:.1f} degrees, x-io Fusion {:.1f}, magcomp {:.1f}.", north)
     answered = scores(pages, sensor[2], OURS, "answered_percent")
