@@ -208,10 +208,9 @@ def comparison_page(pages):
         if own:
             mean = sum(float(line["answered_percent"]) for line in own) / len(own)
             within = [float(line["within_2_sigma_percent"]) for line in own if line["within_2_sigma_percent"]]
-            off = [float(line["step_off_ut"]) for line in own if line["step_off_ut"]]
             changes = sum(int(line["device_changes"]) for line in own)
             true = len(own) if group.endswith(PUT_ON) else 0
-            sure.append([group, str(len(own)), f"{mean:.0f}", f"{median(within):.0f} ({min(within):.0f})", f"{changes} of {true}", two(off)])
+            sure.append([group, str(len(own)), f"{mean:.0f}", f"{median(within):.0f} ({min(within):.0f})", f"{changes} of {true}"])
     pages.table(page, "### How sure", sure)
     sensor = ["nothing disturbs", "past a magnet that stands still", "a magnet on the sensor"]
     pages.table(page, "## A sensor with magnets", rows(sensor, "rms_deg", [method for method in methods if "window of" not in method]))
