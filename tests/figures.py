@@ -10,7 +10,9 @@ With --write it corrects them. What runs the command needs it built (`cargo buil
     tests/figures.py commands --write                       figures in the text that other commands print, for about ten minutes"""
 
 import csv
+import html
 import json
+import math
 import os
 import re
 import subprocess
@@ -52,7 +54,7 @@ class Pages:
         """The whole file `name` should read `new`."""
         old = self.text(name) if (ROOT / name).exists() else ""
         if old != new:
-            self.wrong.append(f"{name}: is not what the command prints")
+            self.wrong.append(f"{name}: is not what the command or its data give")
             self.texts[name] = new
             self.changed.add(name)
 
@@ -150,14 +152,44 @@ def evaluation_page(pages):
     pages.sentence(page, "{:.0f} of {:.0f} changes of the device are missed", [missed, due])
 
 
+# Colours of the command's pictures, light and dark; and the picture's size, pixels.
+INK, MESH, PAPER, BLUE = ("#22262B", "#e4e7eb"), ("#DDE1E6", "#343a42"), ("#FFFFFF", "#181b20"), "#2F7FD6"
+WIDTH, LEFT, ROW, ABOVE, BELOW = 830, 370, 22, 14, 44
+
+
+def evaluation_picture(pages):
+    """A dot for each situation at its median error, on a scale of equal ratios; a row for each group, with a bar at its median."""
+    groups = {}
+    for line in data(pages, EVALUATION):
+        if line["error_median_deg"]:
+            groups.setdefault(line["group"].removeprefix("Carried phones: "), []).append(max(float(line["error_median_deg"]), LEAST_DEG))
+    most = max(max(errors) for errors in groups.values()) * 1.15
+    x = lambda deg: LEFT + (WIDTH - LEFT - 20) * math.log(deg / LEAST_DEG * 1.15) / math.log(most / LEAST_DEG * 1.15)
+    height = ABOVE + BELOW + ROW * len(groups)
+    bottom = height - BELOW
+    rules = "".join(f'[{what}="{light}"]{{{what}:{dark}}}' for light, dark in (INK, MESH, PAPER) for what in ("fill", "stroke"))
+    out = [f'<svg width="{WIDTH}" height="{height}" viewBox="0 0 {WIDTH} {height}" xmlns="http://www.w3.org/2000/svg" font-family="sans-serif" font-size="12">',
+           f"<style>@media (prefers-color-scheme: dark){{{rules}}}</style>", f'<rect width="{WIDTH}" height="{height}" fill="{PAPER[0]}"/>']
+    for deg in (tick for tick in (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 180) if LEAST_DEG <= tick <= most):
+        out += [f'<path d="M{x(deg):.1f} {ABOVE}V{bottom}" stroke="{MESH[0]}"/>',
+                f'<text x="{x(deg):.1f}" y="{bottom + 16}" text-anchor="middle" fill="{INK[0]}">{deg:g}</text>']
+    for k, (group, errors) in enumerate(groups.items()):
+        y = ABOVE + ROW * (k + 0.5)
+        out.append(f'<text x="{LEFT - 8}" y="{y + 4:g}" text-anchor="end" fill="{INK[0]}">{html.escape(group)}</text>')
+        out += [f'<circle cx="{x(error):.1f}" cy="{y:g}" r="4" fill="{BLUE}" fill-opacity="0.6"/>' for error in errors]
+        out.append(f'<path d="M{x(median(errors)):.1f} {y - 8:g}v16" stroke="{INK[0]}" stroke-width="2"/>')
+    out += [f'<text x="{(LEFT + WIDTH - 20) / 2:g}" y="{bottom + 36}" text-anchor="middle" fill="{INK[0]}">error of the heading, median run, deg</text>', "</svg>", ""]
+    pages.replace("docs/pictures/evaluation.svg", "\n".join(out))
+
+
+# Errors below this are drawn there, degrees.
+LEAST_DEG = 0.1
+
+
 def evaluation(pages):
     """Judges all situations anew; EVALUATION tells what changed most since the file before."""
     before = {(line["group"], line["situation"]): line for line in data(pages, EVALUATION)}
-    with tempfile.TemporaryDirectory() as folder:
-        printed = run("evaluate", "--judge", "--csv", "--report", folder)
-        picture = Path(folder, "groups.svg").read_text()
-    pages.replace(EVALUATION, printed)
-    pages.replace("docs/pictures/evaluation.svg", picture)
+    pages.replace(EVALUATION, run("evaluate", "--judge", "--csv"))
     changed, only = [], []
     for line in data(pages, EVALUATION):
         old = before.get((line["group"], line["situation"]))
@@ -398,7 +430,7 @@ def main():
     if what not in runs or len(folders) not in ((0, 2) if what == "comparison" else (0,)):
         sys.exit(__doc__)
     pages = Pages()
-    for part in [*runs[what], limits, evaluation_page, comparison_page, readme, cost]:
+    for part in [*runs[what], limits, evaluation_page, evaluation_picture, comparison_page, readme, cost]:
         part(pages)
     for wrong in pages.wrong:
         print(f"figures: {wrong}", file=sys.stderr)

@@ -37,9 +37,6 @@ impl EvaluateResult {
 
     /// Adds a picture and a table for each group to a report.
     pub fn add_to(&self, report: &mut Report) -> Result<(), LabError> {
-        if self.groups.len() > 1 {
-            report.figure("groups", self.overview()?, "Median errors of all situations, by group");
-        }
         for (k, (group, table)) in self.groups.iter().zip(self.told()).enumerate() {
             let row = |variant: &VariantResult| {
                 let values = variant.runs.iter().filter_map(|run| run.error.heading_deg).collect();
@@ -58,17 +55,6 @@ impl EvaluateResult {
             report.table(&table);
         }
         Ok(())
-    }
-
-    /// A dot for each line at its median error, a row for each group.
-    fn overview(&self) -> Result<String, LabError> {
-        let row = |group: &GroupResult| {
-            let values = group.variants.iter().filter_map(|one| one.line.heading_deg.median).collect();
-            DotRow { name: group.title.to_owned(), values, colour: Colour::Blue }
-        };
-        let rows: Vec<DotRow> = self.groups.iter().map(row).filter(|row| !row.values.is_empty()).collect();
-        let x_label = "error of the published heading, rms, deg, median run";
-        Dots::new("Situations by group", "a situation", x_label, rows, false).draw()
     }
 
     /// Every line as CSV, docs/data/evaluation.csv. An empty cell: nothing was judged; `never` in seconds: not before the end.
