@@ -4,7 +4,7 @@
 With --write it corrects them. What runs the command needs it built (`cargo build --release`), or MAGCOMP naming it, and writes docs/data and pictures too:
 
     tests/figures.py evaluation --write                     docs/data/evaluation.csv: all situations, by the seeds that judge
-    tests/figures.py comparison [PHONES PUT_ON] --write     docs/data/comparison.csv: recordings. PHONES is what `benchmarks/convert.py smartphones`
+    tests/figures.py comparison [PHONES PUT_ON] --write     docs/data/comparison.csv and magnets.csv: recordings. PHONES is what `benchmarks/convert.py smartphones`
                                                             wrote, PUT_ON what `benchmarks/convert.py magnet` made of it; FOLDER-NAME beside each has
                                                             the answers of `benchmarks/rivals.py NAME`. Without them the lines of phones stay
     tests/figures.py commands --write                       figures in the text that other commands print, for about ten minutes"""
@@ -24,7 +24,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 NUMBER = r"[+-]?\d+(?:\.\d+)?"
-EVALUATION, COMPARISON = "docs/data/evaluation.csv", "docs/data/comparison.csv"
+EVALUATION, COMPARISON, MAGNETS = "docs/data/evaluation.csv", "docs/data/comparison.csv", "docs/data/magnets.csv"
 
 
 def cells(row):
@@ -210,7 +210,7 @@ FUSED, SYSTEM, VQF, OURS = "the phone's own heading", "the system's field", "VQF
 
 
 # In the data alone: of no use on a phone, whose own field is larger than the Earth's, or the same as a calibration of that day.
-LEFT_OUT = {"the raw field", "x-io Fusion on the raw field", "VQF on the raw field", "an ellipsoid, window of 2000", "the paper's method, cold",
+LEFT_OUT = {"the raw field", "x-io Fusion on the raw field", "VQF on the raw field", "a sphere, window of 2000", "an ellipsoid, window of 2000", "the paper's method, cold",
             "the paper's method, with its first step"}
 
 
@@ -233,7 +233,7 @@ def comparison_page(pages):
         first = lambda row: min(float(cell.split()[0]) for cell in row[1:] if cell != "-")
         return sorted(table, key=lambda row: float(row[1].split()[0]) if row[1] != "-" else first(row))
     pages.table(page, "### Up to one constant", rows(phones, "rms_deg", [method for method in methods if method not in LEFT_OUT]))
-    pages.table(page, "### Against north", rows(phones, "north_rms_deg", [FUSED, SYSTEM, VQF, "VQF on a fit with the gyroscope's turns", "VQF on magcomp's corrected sample", OURS]))
+    pages.table(page, "### Against north", rows(phones, "north_rms_deg", [FUSED, SYSTEM, VQF, "VQF on a fit with the gyroscope's turns", OURS]))
     sure = []
     for group in phones:
         own = [line for line in lines if (line["group"], line["method"]) == (group, OURS)]
@@ -244,14 +244,42 @@ def comparison_page(pages):
             true = len(own) if group.endswith(PUT_ON) else 0
             sure.append([group, str(len(own)), f"{mean:.0f}", f"{median(within):.0f} ({min(within):.0f})", f"{changes} of {true}"])
     pages.table(page, "### How sure", sure)
+    pages.table(page, "### Other magnets", magnets_table(data(pages, MAGNETS)))
     sensor = ["nothing disturbs", "past a magnet that stands still", "a magnet on the sensor"]
     pages.table(page, "## A sensor with magnets", rows(sensor, "rms_deg", [method for method in methods if "window of" not in method]))
     north = [median(scores(pages, sensor[0], method, "north_rms_deg")) for method in ("VQF on the raw field", "x-io Fusion on the raw field", OURS)]
     pages.sentence(page, "Against north VQF on its raw field has {:.1f} degrees, x-io Fusion {:.1f}, magcomp {:.1f}.", north)
     answered = scores(pages, sensor[2], OURS, "answered_percent")
     pages.sentence(page, "magcomp answers {:.0f} % of all rows, VQF and x-io Fusion all.", [sum(answered) / len(answered)])
-    magnets = [line for line in lines if line["group"] == sensor[2] and line["method"] == OURS]
-    pages.table(page, "### The magnet's field", [[line["recording"], line["step_ut"], line["step_off_ut"]] for line in magnets])
+    found = [line for line in lines if line["group"] == sensor[2] and line["method"] == OURS]
+    steps, off = ([float(line[key]) for line in found] for key in ("step_ut", "step_off_ut"))
+    pages.sentence(page, "by {:.1f} to {:.1f} uT, which magcomp finds to {:.1f} uT at the worst", [min(steps), max(steps), max(off)])
+
+
+def magnets_table(lines):
+    """A row for each magnet that was put on phones in a quiet room."""
+    rows = []
+    for magnet in dict.fromkeys(line["magnet"] for line in lines):
+        own = [line for line in lines if line["magnet"] == magnet and line["group"] == QUIET]
+        told = [float(one) for line in own for one in line["told_s"].split(";") if one]
+        missed, due, again = (sum(int(line[key]) for line in own) for key in ("missed", "due", "again"))
+        errors = [[float(line[key]) for line in own if line[key]] for key in ("error_deg", "worst_deg")]
+        rows.append([magnet, *map(two, errors), two(told), f"{missed} of {due}", str(again)])
+    return rows
+
+
+def magnets(pages, phones):
+    """Magnets of many sizes, put on each recording by the command."""
+    found = json.loads(run("evaluate", "--recordings", str(Path(phones).resolve()), "--magnets", "--json"))["runs"]
+    cell = lambda value, digits=1: "" if value is None else f"{value:.{digits}f}"
+    out = ["group,recording,magnet,error_deg,worst_deg,answered_percent,within_2_sigma_percent,told_s,missed,due,again"]
+    for one in found:
+        percent = [one["answered"], one["within"] and one["within"][1]]
+        shown = [cell(one["error"]["heading_deg"]), cell(one["worst_deg"]), *(cell(share and 100 * share, 0) for share in percent)]
+        told = ";".join(cell(told) for told in one["told_s"] if told is not None)
+        counts = [str(one[key]) for key in ("missed", "due", "again")]
+        out.append(",".join([f'"{one["group"]}"', one["recording"], f'"{one["magnet"]}"', *shown, told, *counts]))
+    pages.replace(MAGNETS, "\n".join([*out, ""]))
 
 
 def readme(pages):
@@ -313,6 +341,8 @@ def comparison(pages, phones=None, put_on=None):
                 pages.replace("docs/pictures/magnet_on_a_phone.svg", picture.read_text())
         lines += own
     pages.replace(COMPARISON, "\n".join([head, *lines, *kept, ""]))
+    if phones:
+        magnets(pages, phones)
 
 
 # Programs that are none of ours: their names in tables, and those of benchmarks/rivals.py. And the recording of README's picture.
