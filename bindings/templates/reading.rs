@@ -2,9 +2,8 @@
 //! The answer to one magnetometer sample as it crosses the border: uniffi's record, and the struct of plain numbers.
 
 use crate::convert::count;
-use crate::flat::{FlatEvent, FlatStatus, NONE};
 use crate::record::{Attitude, Heading, Vector3};
-use crate::status::{Event, EventKind, ModelOrder, SensorMode, Status};
+use crate::status::{Event, EventKind, FlatStatus, ModelOrder, NONE, SensorMode, Status};
 use magcomp::nalgebra;
 
 {% macro rust_type(field) %}
@@ -47,6 +46,15 @@ impl From<magcomp::Reading> for Reading {
             status: status.into(),
         }
     }
+}
+
+/// `MagcompEvent`.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct FlatEvent {
+    pub(crate) kind: i32,
+    pub(crate) since_ns: i64,
+    pub(crate) decided_ns: i64,
 }
 
 /// `MagcompReading`.

@@ -1,8 +1,8 @@
 // made by bindings/generate.sh from bindings/reading.toml
 //! A reading as doubles: the numbers of `FlatReading`, a time or another whole number of 64 bits as two.
 
-use crate::flat::FlatStatus;
 use crate::reading::FlatReading;
+use crate::status::FlatStatus;
 
 {% set n = reading.numbers %}
 // what comes after the numbers that a reading of `Compass` copies changes seldom, and is kept as objects

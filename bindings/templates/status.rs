@@ -2,7 +2,6 @@
 //! What the compensator is doing, and why: the core's enums as they cross the border, and their codes on the wire.
 
 use crate::convert::{axis_of, count, size};
-use crate::flat::{FlatStatus, NONE};
 
 {% macro rust_type(field) %}
 {%- if field.kind in ["count", "signed_axis"] %}i32{% elif field.kind == "time" %}i64{% elif field.kind == "real" %}f64{% elif field.kind == "axis" %}Axis{% else %}{{ field.kind }}{% endif %}
@@ -125,6 +124,34 @@ impl {{ one.name }} {
     }
 }
 {% endfor %}
+
+/// No case, where a number is a case's code.
+pub(crate) const NONE: i32 = -1;
+
+/// `MagcompStatus`.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct FlatStatus {
+    pub(crate) kind: i32,
+    pub(crate) reason: i32,
+    pub(crate) problem: i32,
+    pub(crate) whole: [i64; 2],
+    pub(crate) real: [f64; 3],
+}
+
+impl FlatStatus {
+    const fn of(kind: i32, reason: i32) -> Self {
+        Self { kind, reason, problem: NONE, whole: [0; 2], real: [f64::NAN; 3] }
+    }
+
+    const fn whole(self, first: i64, second: i64) -> Self {
+        Self { whole: [first, second], ..self }
+    }
+
+    const fn real(self, first: f64, second: f64, third: f64) -> Self {
+        Self { real: [first, second, third], ..self }
+    }
+}
 
 impl FitProblem {
     /// A status whose reason this is.

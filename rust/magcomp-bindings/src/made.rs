@@ -4,6 +4,7 @@ use crate::{codes, config, reading, table, texts, view};
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment, UndefinedBehavior, Value};
+use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
@@ -32,6 +33,16 @@ const PARTS: &[(&str, &[&str])] = &[
     ("docs/STATUS.md", &["statuses", "reasons", "events"]),
     ("ios/Sources/Magcomp/Magcomp.docc/WhatTheStatusMeans.md", &["statuses_docc"]),
 ];
+
+/// All that a template may ask for.
+#[derive(Serialize)]
+struct Values {
+    enums: Vec<view::EnumView>,
+    /// The same by their names.
+    by_name: BTreeMap<String, view::EnumView>,
+    reading: reading::Layout,
+    settings: Vec<config::GroupView>,
+}
 
 /// Folders in which there is nothing but what is made here.
 const FOLDERS: [&str; 2] = ["android/library/src/main/res", "ios/Sources/Magcomp/Resources"];
@@ -77,11 +88,11 @@ pub fn files(root: &Path) -> Result<Vec<File>, String> {
     made.push(("bindings/codes.txt".to_owned(), codes::updated(&page, &enums)?));
 
     let renamed = renamed(root)?;
-    let enums = view::enums(&enums, &renamed)?;
-    let by_name = enums.iter().map(|one| (one.name.clone(), one.clone())).collect();
     let reading = reading::read(&content(root, "bindings/reading.toml")?, &enums, &renamed)?;
     let settings = config::read(&content(root, "bindings/config.toml")?, &renamed)?;
-    let values = Value::from(Serde(view::Values { enums, by_name, reading, settings }));
+    let enums = view::enums(&enums, &renamed)?;
+    let by_name = enums.iter().map(|one| (one.name.clone(), one.clone())).collect();
+    let values = Value::from(Serde(Values { enums, by_name, reading, settings }));
     let mut environment = Environment::new();
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build();
     environment.set_syntax(syntax.expect("the usual delimiters"));

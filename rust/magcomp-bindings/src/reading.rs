@@ -1,7 +1,7 @@
 //! `bindings/reading.toml`: the flat reading's fields, and where each lies.
 
 use crate::names::camel;
-use crate::view::EnumView;
+use crate::table::Enum;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -70,7 +70,7 @@ pub struct Layout {
 }
 
 /// Reads the table, and refuses what has no place.
-pub fn read(text: &str, enums: &[EnumView], renamed: &BTreeMap<String, String>) -> Result<Layout, String> {
+pub fn read(text: &str, enums: &[Enum], renamed: &BTreeMap<String, String>) -> Result<Layout, String> {
     let table: Table = toml::from_str(text).map_err(|error| format!("bindings/reading.toml: {error}"))?;
     let (mut fields, mut numbers) = (Vec::new(), 0);
     for field in &table.fields {
@@ -90,7 +90,7 @@ impl FieldView {
     fn of(
         field: &Field,
         numbers: &mut usize,
-        enums: &[EnumView],
+        enums: &[Enum],
         renamed: &BTreeMap<String, String>,
     ) -> Result<Self, String> {
         let is_enum = enums.iter().any(|one| one.name == field.kind);

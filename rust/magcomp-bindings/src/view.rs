@@ -1,8 +1,6 @@
 //! The table as templates ask for it: every name in every spelling, and where a field lies on the wire.
 
-use crate::config::GroupView;
 use crate::names::{camel, snake};
-use crate::reading::Layout;
 use crate::table::{Case, Enum, Field};
 use crate::texts::placeholders;
 use serde::Serialize;
@@ -61,16 +59,6 @@ pub struct FieldView {
     example: String,
     /// Which of the whole numbers or reals of a status it is.
     place: usize,
-}
-
-/// All that a template may ask for.
-#[derive(Serialize)]
-pub struct Values {
-    pub enums: Vec<EnumView>,
-    /// The same by their names.
-    pub by_name: BTreeMap<String, EnumView>,
-    pub reading: Layout,
-    pub settings: Vec<GroupView>,
 }
 
 /// The enums in the table's order. `renamed`: their names in Kotlin and Swift.

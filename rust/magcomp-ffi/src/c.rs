@@ -54,7 +54,7 @@ pub extern "C" fn magcomp_push_up(handle: i64, time_ns: i64, x: f64, y: f64, z: 
 #[cfg(feature = "test-hooks")]
 mod hooks {
     use super::*;
-    use crate::flat::FlatStatus;
+    use crate::status::FlatStatus;
     use std::hint::black_box;
     use std::sync::{Mutex, PoisonError};
     use std::time::Instant;

@@ -1,45 +1,12 @@
 //! The config as it crosses the border: every field may be left out, and then is the core's default.
 
+mod choices;
 // made, for people to read and not to edit
 #[rustfmt::skip]
 mod records;
 
-use crate::convert::same_names;
-use crate::error::MagcompError;
+pub use choices::{Method, Normalisation, Residual};
 pub use records::{Config, FitOptions, HeadingConfig, WindowedConfig};
-
-/// How the hard and soft iron are estimated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
-pub enum Method {
-    /// Uses gyroscope and gravity beside the magnetometer; works as `Adaptive` while there is no usable gyroscope.
-    Auto,
-    /// The same as `Auto`.
-    Aided,
-    /// Uses the magnetometer alone; notices changes and relearns them as fast as the samples allow.
-    Adaptive,
-    /// The paper's method: an ellipsoid fit over the latest samples, whose number follows sigma_T.
-    Windowed,
-    /// The first step of the paper's method alone: one fit of the first well spread samples, kept from then on.
-    Constant,
-}
-
-/// The residual that a fit squares and sums.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
-pub enum Residual {
-    /// Eq. (10) of the paper as written.
-    Algebraic,
-    /// Divided by its own gradient: a distance in raw units, free of the noise bias.
-    Corrected,
-}
-
-/// How the standard deviations in sigma_T are normalised.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
-pub enum Normalisation {
-    /// By half the range of each axis.
-    HalfRange,
-    /// By the standard deviation of evenly spread directions.
-    EvenSphere,
-}
 
 /// The library's defaults, every field given.
 #[uniffi::export]
@@ -47,24 +14,10 @@ pub fn default_config() -> Config {
     Config::default()
 }
 
-same_names! {
-    Method { Auto, Aided, Adaptive, Windowed, Constant }
-    Residual { Algebraic, Corrected }
-    Normalisation { HalfRange, EvenSphere }
-}
-
-/// A count of the core's; `field` is where it stands in the config.
-fn size(field: &str, n: i32) -> Result<usize, MagcompError> {
-    usize::try_from(n).map_err(|_| MagcompError::Config {
-        field: field.to_owned(),
-        value: n.to_string(),
-        expected: "0 or above".to_owned(),
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::MagcompError;
 
     /// The core's defaults with a phone's axis.
     fn phone() -> magcomp::Config {

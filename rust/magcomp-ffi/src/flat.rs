@@ -1,6 +1,6 @@
-//! A reading and an answer as plain numbers, for the paths that carry no records: C as it stands, JNI written out as doubles.
+//! Events in and answers out as plain numbers, for the paths that carry no records: C takes the answer as it stands, JNI writes it out as doubles.
 //!
-//! `include/magcomp.h` says what every number means. `status` has the cases' codes; what is not known is NaN, or -1 where a number is a code.
+//! `include/magcomp.h` says what every number means, `reading` and `status` have the structs. What is not known is NaN, or -1 where a number is a code.
 
 use crate::compensator::Compensator;
 use crate::error::MagcompError;
@@ -13,28 +13,6 @@ pub(crate) const CLOSED: i32 = -1;
 pub(crate) const PANICKED: i32 = -2;
 /// An event was accepted; a rejected one answers 1 or more, by its reason.
 pub(crate) const ACCEPTED: i32 = 0;
-/// No case, where a number counts cases.
-pub(crate) const NONE: i32 = -1;
-
-/// `MagcompStatus`.
-#[derive(Clone, Copy)]
-#[repr(C)]
-pub struct FlatStatus {
-    pub(crate) kind: i32,
-    pub(crate) reason: i32,
-    pub(crate) problem: i32,
-    pub(crate) whole: [i64; 2],
-    pub(crate) real: [f64; 3],
-}
-
-/// `MagcompEvent`.
-#[derive(Clone, Copy)]
-#[repr(C)]
-pub struct FlatEvent {
-    pub(crate) kind: i32,
-    pub(crate) since_ns: i64,
-    pub(crate) decided_ns: i64,
-}
 
 /// A raw magnetometer event, uT; `reported_ut` is the operating system's own hard iron, NaN for none.
 pub(crate) fn push(
@@ -71,19 +49,5 @@ pub(crate) fn code_of(error: &MagcompError) -> i32 {
         MagcompError::Panicked { .. } => PANICKED,
         // no other error comes from those who ask
         _ => CLOSED,
-    }
-}
-
-impl FlatStatus {
-    pub(crate) const fn of(kind: i32, reason: i32) -> Self {
-        Self { kind, reason, problem: NONE, whole: [0; 2], real: [f64::NAN; 3] }
-    }
-
-    pub(crate) const fn whole(self, first: i64, second: i64) -> Self {
-        Self { whole: [first, second], ..self }
-    }
-
-    pub(crate) const fn real(self, first: f64, second: f64, third: f64) -> Self {
-        Self { real: [first, second, third], ..self }
     }
 }

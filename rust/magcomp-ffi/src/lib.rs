@@ -1,7 +1,7 @@
 //! The border between the core and Kotlin or Swift: converts and delegates, nothing else.
 //!
 //! uniffi serves everything that is not hot; `fast` (JNI) serves the stream of sensor events on the JVM, `c` (C) in Swift,
-//! both with the numbers of `reading` and `flat`. All act on the same objects. A panic never crosses: it becomes
+//! both with the numbers of `reading`. All act on the same objects. A panic never crosses: it becomes
 //! [`MagcompError::Panicked`], and the object refuses further use until it is reset.
 //!
 //! Conversions are in `record`, `reading`, `status`, `config` and `error` alone, as exhaustive matches and destructurings: what

@@ -2,9 +2,8 @@
 //! The answer to one magnetometer sample as it crosses the border: uniffi's record, and the struct of plain numbers.
 
 use crate::convert::count;
-use crate::flat::{FlatEvent, FlatStatus, NONE};
 use crate::record::{Attitude, Heading, Vector3};
-use crate::status::{Event, EventKind, ModelOrder, SensorMode, Status};
+use crate::status::{Event, EventKind, FlatStatus, ModelOrder, NONE, SensorMode, Status};
 use magcomp::nalgebra;
 
 /// The answer to one magnetometer sample. A value that is not known is none, never NaN.
@@ -69,6 +68,15 @@ impl From<magcomp::Reading> for Reading {
             status: status.into(),
         }
     }
+}
+
+/// `MagcompEvent`.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct FlatEvent {
+    pub(crate) kind: i32,
+    pub(crate) since_ns: i64,
+    pub(crate) decided_ns: i64,
 }
 
 /// `MagcompReading`.

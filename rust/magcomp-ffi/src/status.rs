@@ -2,7 +2,6 @@
 //! What the compensator is doing, and why: the core's enums as they cross the border, and their codes on the wire.
 
 use crate::convert::{axis_of, count, size};
-use crate::flat::{FlatStatus, NONE};
 
 /// What the compensator is doing, so that an app can tell its user what to do. `text()` says it in a sentence.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Enum)]
@@ -638,6 +637,34 @@ impl EventKind {
             Self::DeviceStepBack => 1,
             Self::PlaceChanged => 2,
         }
+    }
+}
+
+/// No case, where a number is a case's code.
+pub(crate) const NONE: i32 = -1;
+
+/// `MagcompStatus`.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub struct FlatStatus {
+    pub(crate) kind: i32,
+    pub(crate) reason: i32,
+    pub(crate) problem: i32,
+    pub(crate) whole: [i64; 2],
+    pub(crate) real: [f64; 3],
+}
+
+impl FlatStatus {
+    const fn of(kind: i32, reason: i32) -> Self {
+        Self { kind, reason, problem: NONE, whole: [0; 2], real: [f64::NAN; 3] }
+    }
+
+    const fn whole(self, first: i64, second: i64) -> Self {
+        Self { whole: [first, second], ..self }
+    }
+
+    const fn real(self, first: f64, second: f64, third: f64) -> Self {
+        Self { real: [first, second, third], ..self }
     }
 }
 

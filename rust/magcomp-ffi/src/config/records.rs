@@ -4,7 +4,7 @@
 // one way to write a member, whichever struct of the core's it is in
 #![allow(clippy::field_reassign_with_default)]
 
-use super::{Method, Normalisation, Residual, size};
+use super::choices::{Method, Normalisation, Residual, size};
 use crate::convert::count;
 use crate::error::MagcompError;
 use crate::record::{Calibration, ReferenceAxis, ScreenRotation};
