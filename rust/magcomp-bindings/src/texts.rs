@@ -110,9 +110,14 @@ pub fn read(enums: &[Enum], files: &[(String, String)]) -> Result<Vec<Text>, Str
         for language in text.languages.keys() {
             let theirs = sorted(language)?;
             if theirs != english {
+                let named = |all: &[Placeholder]| {
+                    all.iter().map(|it| format!("{{{}:{}}}", it.name, it.kind)).collect::<Vec<_>>().join(" ")
+                };
                 return Err(format!(
-                    "the text {} of {language} has the placeholders {theirs:?}, and English {english:?}",
-                    text.name
+                    "the text {} of {language} has the placeholders '{}', and English '{}'",
+                    text.name,
+                    named(&theirs),
+                    named(&english)
                 ));
             }
         }
@@ -250,6 +255,9 @@ mod tests {
         assert!(refused(&[file("en", "so = x\nso = y\n")]).contains("twice"));
         assert!(refused(&[file("en", "so: x\n")]).contains("en.txt:1: expected"));
         assert!(refused(&[file("en", "so = x\n"), file("de", "wo = y\n")]).contains("de.txt:1: wo is not in en.txt"));
-        assert!(refused(&[file("en", "so = {a:int}\n"), file("de", "so = {a:.1}\n")]).contains("placeholders"));
+        assert!(
+            refused(&[file("en", "so = {a:int}\n"), file("de", "so = {a:.1}\n")])
+                .ends_with("de has the placeholders '{a:.1}', and English '{a:int}'")
+        );
     }
 }
