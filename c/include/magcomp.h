@@ -89,18 +89,17 @@ enum magcomp_status
   : int32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // There is no calibration yet; `reason` says what is missing.
+  // There is no calibration yet. `reason` says why.
   MAGCOMP_STATUS_COLLECTING = 0,
   // Calibrated, and following changes.
   MAGCOMP_STATUS_TRACKING = 1,
-  // Something changed, since `status_since_ns`; not yet decided whether the device or the place.
+  // Something changed; it is not yet decided whether the device or the place.
   MAGCOMP_STATUS_SUSPECT = 2,
-  // Calibrated, but not learning; `reason` says why.
+  // Calibrated, but not learning: the calibration is kept. `reason` says why.
   MAGCOMP_STATUS_HELD = 3,
-  // The place is disturbed, since `status_since_ns`, not the device; the calibration is kept.
+  // The place is disturbed, not the device: the calibration is kept, and after 30 s learned on in the field of that place.
   MAGCOMP_STATUS_DISTURBED = 4,
-  // This sample was not used, and changed nothing; `reason` says why. 50 in a row whose times follow one another and not the latest used sample's are
-  // taken for another clock: the calibration stays, all else begins anew.
+  // This sample was not used, and changed nothing; 50 in a row that agree on another clock begin that clock. `reason` says why.
   MAGCOMP_STATUS_REJECTED = 5,
 };
 #ifndef __cplusplus
@@ -119,39 +118,39 @@ enum magcomp_reason
  {
   // The status says it all.
   MAGCOMP_REASON_NONE = 0,
-  // Collecting: too few samples.
+  // Collecting: too few samples for a first fit.
   MAGCOMP_REASON_SAMPLES = 1,
   // Collecting: the device was hardly turned.
   MAGCOMP_REASON_ROTATION = 2,
-  // Collecting: the device was not turned about enough axes.
+  // Collecting: the device was turned, but not about enough axes.
   MAGCOMP_REASON_DIRECTIONS = 3,
-  // Collecting: the samples allow no fit; see `fit_problem`.
+  // Collecting: the samples allow no fit; the problem is named. See `fit_problem`.
   MAGCOMP_REASON_FIT = 4,
-  // Held: the device lies still.
+  // Held: the device lies still; nothing is learned from that.
   MAGCOMP_REASON_AT_REST = 5,
   // Held: the device was hardly turned of late.
   MAGCOMP_REASON_TOO_LITTLE_ROTATION = 6,
-  // Held, by the method `Windowed` alone: the latest orientations are too much alike.
+  // Held: method `Windowed` alone: sigma_T is below its threshold, the latest orientations are too much alike.
   MAGCOMP_REASON_LOW_UNIFORMITY = 7,
-  // Held: the latest fit was refused, or no place on Earth has such a field; see `fit_problem`.
+  // Held: the latest fit was refused, or no place on Earth has such a field; the problem is named. Is the sensor's unit microtesla? See `fit_problem`.
   MAGCOMP_REASON_FIT_REFUSED = 8,
   // Held: the gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second.
   MAGCOMP_REASON_NO_GYROSCOPE = 9,
-  // Held, by the method `Constant` alone: it follows no changes.
+  // Held: method `Constant` alone: by choice it follows no changes.
   MAGCOMP_REASON_CONSTANT = 10,
-  // Rejected: a component is NaN or infinite.
+  // Rejected: a component is NaN or infinite. Check where the samples come from.
   MAGCOMP_REASON_NOT_FINITE = 11,
   // Rejected: a component is beyond the setting `range_ut`. Is the unit microtesla?
   MAGCOMP_REASON_OUT_OF_RANGE = 12,
-  // Rejected: a component is at the sensor's full scale, the setting `rail_ut` or as found. A gyroscope carries the heading on.
+  // Rejected: a component is at the sensor's full scale, the setting `rail_ut` or as found: the true field is larger.
   MAGCOMP_REASON_SATURATED = 13,
   // Rejected: time did not advance.
   MAGCOMP_REASON_TIME_NOT_AFTER = 14,
   // Rejected: time jumped ahead further than any pause. Is the unit nanoseconds?
   MAGCOMP_REASON_TIME_JUMP = 15,
-  // Rejected: the same value to the last bit for too long: the sensor hangs.
+  // Rejected: the same value to the last bit while the device turns, or where neither gyroscope nor accelerometer tells that it rests: the sensor hangs.
   MAGCOMP_REASON_STUCK = 16,
-  // Rejected: the field turns as if the magnetometer had other axes than the gyroscope; the status' text says which.
+  // Rejected: the field turns as if the magnetometer had other axes than the gyroscope; the text says which. Asked again with every turn. Give both sensors the same axes.
   MAGCOMP_REASON_AXES = 17,
 };
 #ifndef __cplusplus
@@ -162,7 +161,7 @@ typedef int32_t magcomp_reason;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// Why samples allow no fit.
+// Why there is no ellipsoid to report.
 enum magcomp_fit_problem
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t
@@ -170,19 +169,19 @@ enum magcomp_fit_problem
  {
   // `reason` is about no fit.
   MAGCOMP_FIT_PROBLEM_NONE = 0,
-  // Fewer than nine.
+  // Fewer samples than the nine parameters.
   MAGCOMP_FIT_PROBLEM_TOO_FEW_SAMPLES = 1,
-  // They lie in one plane.
+  // All samples lie near one plane.
   MAGCOMP_FIT_PROBLEM_PLANAR = 2,
   // The directions seen leave too large an error.
   MAGCOMP_FIT_PROBLEM_POOR_COVERAGE = 3,
-  // They lie on no one ellipsoid: something changed meanwhile.
+  // The samples do not lie on one ellipsoid: the disturbance or the place changed meanwhile.
   MAGCOMP_FIT_PROBLEM_INCONSISTENT = 4,
   // A surface that is no ellipsoid fits best.
   MAGCOMP_FIT_PROBLEM_NOT_AN_ELLIPSOID = 5,
-  // A field strength that no place on Earth has. Is the unit microtesla?
+  // The field is too weak or too strong to be the Earth's. Is the unit microtesla?
   MAGCOMP_FIT_PROBLEM_FIELD_OUT_OF_RANGE = 6,
-  // One is NaN or infinite.
+  // A sample was NaN or infinite, or the numbers overflowed. Leave such values out.
   MAGCOMP_FIT_PROBLEM_NOT_FINITE = 7,
 };
 #ifndef __cplusplus
@@ -193,7 +192,7 @@ typedef int32_t magcomp_fit_problem;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// A change that was decided.
+// What changed.
 enum magcomp_event
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t
@@ -201,9 +200,9 @@ enum magcomp_event
  {
   // None yet.
   MAGCOMP_EVENT_NONE = 0,
-  // The device's own disturbance changed (a cover was put on), and was relearned.
+  // The device's own disturbance changed (a magnet or cover was put on or taken off), and was relearned.
   MAGCOMP_EVENT_DEVICE_STEP = 1,
-  // The device is as it was before (the cover was taken off); that calibration was restored.
+  // The device is as it was before; that calibration was restored.
   MAGCOMP_EVENT_DEVICE_STEP_BACK = 2,
   // The field of the place changed; the calibration is held.
   MAGCOMP_EVENT_PLACE_CHANGED = 3,
@@ -216,19 +215,19 @@ typedef int32_t magcomp_event;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// The sensors that the estimator runs on.
+// The sensors the estimator runs on, as they come and go.
 enum magcomp_mode
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // Magnetometer, gyroscope and accelerometer.
+  // Gyroscope and accelerometer beside the magnetometer: everything works.
   MAGCOMP_MODE_GYROSCOPE_AND_GRAVITY = 0,
-  // No accelerometer: no heading.
+  // No accelerometer: the field is corrected and carried, there is no heading.
   MAGCOMP_MODE_GYROSCOPE_ONLY = 1,
   // No usable gyroscope: changes are followed slower.
   MAGCOMP_MODE_GRAVITY_ONLY = 2,
-  // The magnetometer alone: no heading.
+  // Neither: changes are followed slower, and there is no heading.
   MAGCOMP_MODE_MAGNETOMETER_ONLY = 3,
 };
 #ifndef __cplusplus
@@ -239,7 +238,7 @@ typedef int32_t magcomp_mode;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// Which parameters the latest change set free.
+// Which of the nine parameters a change set free.
 enum magcomp_model_order
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t
@@ -247,9 +246,9 @@ enum magcomp_model_order
  {
   // The estimator does not tell.
   MAGCOMP_MODEL_ORDER_NONE = 0,
-  // No parameter.
+  // None: all nine stay.
   MAGCOMP_MODEL_ORDER_NOTHING = 1,
-  // b alone.
+  // Hard iron alone.
   MAGCOMP_MODEL_ORDER_HARD_IRON = 2,
   // All nine.
   MAGCOMP_MODEL_ORDER_ALL = 3,

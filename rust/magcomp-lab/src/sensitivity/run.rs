@@ -171,7 +171,7 @@ mod tests {
     #[test]
     fn what_is_asked_for_is_tried() {
         let names = |options| subjects(&options).map(|all| all.iter().map(|(_, it)| it.name()).collect::<Vec<_>>());
-        assert_eq!(names(options(&["quarantine"], false)).unwrap(), ["quarantine"]);
+        assert_eq!(names(options(&["quarantine_s", "quarantine"], false)).unwrap(), ["quarantine"]);
         // a pair where both are asked for, in the order of the list of states
         let pair = names(options(&["quarantine", "hold"], true)).unwrap();
         assert!(

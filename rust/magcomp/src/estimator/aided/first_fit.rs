@@ -150,6 +150,11 @@ impl FirstFit {
             self.answer = self.fit(step.sigma_ut.powi(2), up, tuning);
         }
         if is_full {
+            // more than a place leaves, less than another unit does: the device may have changed meanwhile
+            let changed_ut2 = (0.5 * tuning.smallest_step_ut).powi(2)..STRONGEST_AXIS_UT.powi(2);
+            if tuning.forget && changed_ut2.contains(&self.misfit_ut2) {
+                self.groups.forget();
+            }
             self.groups.close();
         }
     }

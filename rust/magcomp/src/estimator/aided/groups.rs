@@ -97,6 +97,11 @@ impl Groups {
         group.moved_s >= self.longest_s
     }
 
+    /// Drops the oldest quarter.
+    pub(super) fn forget(&mut self) {
+        self.groups.drain(..self.groups.len() / 4);
+    }
+
     /// Begins another group.
     pub(super) fn close(&mut self) {
         if self.is_full() {

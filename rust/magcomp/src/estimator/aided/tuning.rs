@@ -134,6 +134,8 @@ choices! {
         feigned;
         /// First fit: what is unlikely beforehand is none
         plausible;
+        /// First fit: the oldest groups go where a device may have changed
+        forget;
     }
 }
 

@@ -169,7 +169,7 @@ fn a_small_change_is_relearned_without_an_event() {
             run_while(&mut world, &mut aided, 1_500, |_, _, _| ());
             told += i32::from(aided.event.is_some());
             let error = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm();
-            assert!(error < 1.3, "{size_ut} uT, seed {seed}: offset wrong by {error} uT");
+            assert!(error < 2.5, "{size_ut} uT, seed {seed}: offset wrong by {error} uT");
         }
         let expected = if is_told { 5..=6 } else { 0..=0 };
         assert!(expected.contains(&told), "{size_ut} uT: {told} of 6 told");
