@@ -103,7 +103,7 @@ pub unsafe extern "C" fn magcomp_compensator_create(
     config_json: *const c_char,
     compensator: *mut *mut Compensator,
 ) -> Error {
-    let config = || {
+    let config = || -> Result<magcomp_core::Config, Failure> {
         if config_json.is_null() {
             return Ok(magcomp_core::Config::default());
         }

@@ -41,7 +41,8 @@ from ._magcomp import (
     read_session,
 )
 from ._many import process_many
-from ._types import Answers, HeadingSettings, Session, Settings, Status
+from ._status import EventKind, HeadingAid, Status
+from ._types import Answers, HeadingSettings, Session, Settings
 
 __all__ = [
     "Answers",
@@ -51,7 +52,9 @@ __all__ = [
     "ConfigError",
     "EllipsoidFit",
     "EventError",
+    "EventKind",
     "FitError",
+    "HeadingAid",
     "HeadingSettings",
     "KeptError",
     "MagcompError",

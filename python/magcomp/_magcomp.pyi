@@ -8,7 +8,8 @@ import pandas
 from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Unpack
 
-from ._types import Answers, EventKind, HeadingAid, North, Session, Settings, Status
+from ._status import EventKind, HeadingAid, Status
+from ._types import Answers, North, Session, Settings
 
 __version__: str
 __all__ = [

@@ -7,11 +7,9 @@ import typing
 import numpy as np
 from numpy.typing import NDArray
 
+from ._status import EventKind
 
 Method = typing.Literal["Auto", "Aided", "Adaptive", "Windowed", "Constant"]
-Status = typing.Literal["collecting", "tracking", "suspect", "held", "disturbed", "rejected"]
-EventKind = typing.Literal["DeviceStep", "DeviceStepBack", "PlaceChanged"]
-HeadingAid = typing.Literal["used", "leads", "disagrees"]
 North = typing.Literal["true", "magnetic"]
 
 

@@ -12,8 +12,6 @@
 use crate::heading::angle_sigma_deg;
 use crate::level::{Level, Tilt};
 use crate::math::elementary::hypot;
-#[cfg(not(feature = "std"))]
-use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 /// How the device lies in the world. It needs no reference axis, so it is known also where the axis of the heading is vertical.

@@ -19,6 +19,8 @@ const OFF_DIP_DEG: [f64; 2] = [6.0, 15.0];
 const OFF_FIELD: [f64; 2] = [0.10, 0.25];
 /// Share of the time in which there must be a heading.
 const ANSWERED: f64 = 0.5;
+/// Share of the time in which the heading must be known as well as is told.
+const MOSTLY: f64 = 0.6;
 /// Two sigmas from which on a heading is doubtful, degrees.
 const WIDE_DEG: f64 = 20.0;
 
@@ -174,6 +176,8 @@ fn add_heading(found: &mut Found, judgement: &Judgement) {
     }
     if two_sigma_deg > WIDE_DEG {
         found.add(Grade::Doubtful, "that is wide".to_owned(), TURN);
+    } else if known.share >= ANSWERED && known.within_share < MOSTLY {
+        found.add(Grade::Doubtful, "in the rest it is wider, or there is none".to_owned(), TURN);
     }
     if known.is_unmoved() && judgement.courses_used == 0 {
         let turned_deg = known.turned_deg.unwrap_or(0.0);
