@@ -83,9 +83,10 @@ fn in_a_quiet_stream_innovations_are_of_the_expected_size() {
     }
     // one in 900 of three degrees of freedom lies above the gate: seven, and hardly twenty
     assert!(gated <= 20, "{gated}");
-    // three degrees of freedom; the mean of 1500 frames scatters by 2 %, the learned noise by some more
-    assert!((squares / 3.0 - 1.0).abs() < 0.15, "{squares}");
-    assert!(axes.iter().all(|square| (square - 1.0).abs() < 0.2), "{axes:?}");
+    // three degrees of freedom; the mean of 1500 frames scatters by 2 %, the learned noise by some more. No place is taken to be as even as this one: that
+    // leaves half of it
+    assert!((0.4..0.8).contains(&(squares / 3.0)), "{squares}");
+    assert!(axes.iter().all(|square| (0.3..0.9).contains(square)), "{axes:?}");
 }
 
 #[test]
@@ -153,7 +154,10 @@ fn a_step_of_the_device_is_doubted_compared_and_decided() {
         assert!(best.gated_share < Some(0.5) && (-30.0..0.0).contains(&other.log_odds), "{other:?}");
         assert!(last.compared_turn_deg > Some(28.0), "{last:?}");
         assert_eq!((after.phase, after.hypotheses), (EstimatorPhase::Running, [None; 4]));
-        let event = phone.advance(&mut compensator).event.expect("told");
+        // in force, and told once it has held
+        let told: Vec<_> = (0..200).map(|_| phone.advance(&mut compensator).event).collect();
+        assert_eq!(told[..140], [None; 140]);
+        let event = told[199].expect("told");
         assert_eq!((event.kind, event.since_ns), (EventKind::DeviceStep, best.onset_ns));
     }
 }
