@@ -375,7 +375,7 @@ extension Compass {
     ///
     /// - Parameters:
     ///   - url: a file, `.csv`; where there is one already, the next free name
-    ///   - mostBytes: where the recording ends by itself, at least 10 000; an hour at 100 Hz takes about 100 MB
+    ///   - mostBytes: where the recording ends by itself, over all its files, at least 10 000. Default 200 MB
     /// - Returns: what ends it: ``CompassRecording/close()``
     /// - Throws: the system's error where the file can't be made; `MagcompError.config` for `mostBytes` out of range, or while another
     ///   recording goes on
