@@ -49,7 +49,7 @@ let linking: [LinkerSetting] =
 
 // Stand-ins of Apple's frameworks, for this package's own tests on Linux
 let isAlone = fromCargo && environment["MAGCOMP_FRAMEWORKS"] == "stand-in"
-let frameworks = isAlone ? ["ARKit", "Combine", "CoreLocation", "CoreMotion", "simd"] : []
+let frameworks = isAlone ? ["ARKit", "CoreLocation", "CoreMotion", "SwiftUI", "UIKit", "simd"] : []
 // of the maps that the adapters serve
 let maps = isAlone ? ["FerrostarCoreFFI", "FerrostarCore", "MapLibre"] : []
 let standIns = frameworks.map { Target.Dependency(stringLiteral: $0) }
@@ -60,17 +60,11 @@ let sample: [Target.Dependency] =
 var targets: [Target] = [
     native,
     .target(
-        name: "MagcompBindings",
-        dependencies: ["MagcompFFI"],
-        path: "bindings/swift",
-        exclude: ["MagcompFFI.h", "MagcompFFI.modulemap"],
-        linkerSettings: linking
-    ),
-    .target(
         name: "Magcomp",
-        dependencies: ["MagcompBindings", "MagcompFFI"] + standIns,
+        dependencies: ["MagcompFFI"] + standIns,
         path: "ios/Sources/Magcomp",
-        resources: [.copy("PrivacyInfo.xcprivacy"), .process("Resources")]
+        resources: [.copy("PrivacyInfo.xcprivacy"), .process("Resources")],
+        linkerSettings: linking
     ),
 ]
 if fromCargo {
@@ -92,7 +86,7 @@ if fromCargo {
 targets += frameworks.map {
     // the version of Core Motion from which on the library asks for the authorization status
     .target(
-        name: $0, dependencies: $0 == "ARKit" ? ["simd"] : [], path: "ios/Tests/\($0)",
+        name: $0, dependencies: $0 == "ARKit" ? ["simd"] : $0 == "SwiftUI" ? ["UIKit"] : [], path: "ios/Tests/\($0)",
         swiftSettings: [.unsafeFlags(["-user-module-version", "3186"])])
 }
 
@@ -117,8 +111,7 @@ if !frameworks.isEmpty {
 let package = Package(
     name: "magcomp",
     defaultLocalization: "en",
-    // the tests use Observation
-    platforms: [.iOS(.v15), .macOS(fromCargo ? .v14 : .v12)],
+    platforms: [.iOS(.v17), .macOS(.v14)],
     products: [.library(name: "Magcomp", targets: ["Magcomp"])],
     targets: targets,
     swiftLanguageModes: [.v6]

@@ -15,7 +15,7 @@ case "$#:${1:-}" in
     *) echo "usage: ios/build-xcframework.sh [--device | --zip | --release URL | --pack URL]" >&2; exit 2 ;;
 esac
 # cargo does not know that a build depends on it: another one needs another target folder
-export IPHONEOS_DEPLOYMENT_TARGET=15.0 MACOSX_DEPLOYMENT_TARGET=12.0
+export IPHONEOS_DEPLOYMENT_TARGET=17.0 MACOSX_DEPLOYMENT_TARGET=14.0
 target=$(realpath -m "${CARGO_TARGET_DIR:-target}" 2>/dev/null || echo "$PWD/target")
 std=()
 lipo=lipo

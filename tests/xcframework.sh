@@ -69,7 +69,7 @@ cat bindings/swift/MagcompFFI.h rust/magcomp-ffi/include/magcomp.h | grep -oE '\
 [ "$(wc -l <"$work/declared")" -gt 60 ] || fail "the headers declare $(wc -l <"$work/declared") functions only"
 
 while read -r slice platform architecture; do
-    [ "$platform" = macos ] && least=12.0 || least=15.0
+    [ "$platform" = macos ] && least=14.0 || least=17.0
     library=$framework/$slice/libmagcomp_ffi.a
     for header in bindings/swift/MagcompFFI.h rust/magcomp-ffi/include/magcomp.h; do
         cmp "$header" "$framework/$slice/Headers/MagcompFFI/${header##*/}"
@@ -112,7 +112,7 @@ for entry in entries:
 PYTHON
 
 # what an app gets of it: all that Swift may call, and what that needs
-"ld64.lld$llvm" -arch arm64 -platform_version ios 15.0 18.0 -dylib -dead_strip -S -x -exported_symbols_list "$work/declared" \
+"ld64.lld$llvm" -arch arm64 -platform_version ios 17.0 18.0 -dylib -dead_strip -S -x -exported_symbols_list "$work/declared" \
     -undefined dynamic_lookup -o "$work/linked" "$framework/ios-arm64/libmagcomp_ffi.a"
 printf 'xcframework: %d bytes of arm64 after dead-stripping: %s\n' "$(wc -c <"$work/linked")" \
     "$("llvm-size$llvm" -m "$work/linked" | sed -n 's/^Segment \(.*\): \([0-9]*\).*/\1 \2/p' | tr '\n' ' ')"

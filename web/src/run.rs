@@ -134,8 +134,7 @@ impl Run {
         let conventions =
             Conventions { findings: conventions.findings.into_iter().map(plain).collect(), ..conventions };
         let warnings = warnings.iter().map(|warning| without_options(warning)).collect();
-        let known =
-            Known { session: session.as_ref().map(session_table), conventions, warnings, ..Known::default() };
+        let known = Known { session: session.as_ref().map(session_table), conventions, warnings, ..Known::default() };
         let command = quoted(command.into_iter());
         Ok(Self { source, rows, known, earth, player, gathering, command, has_begun: false })
     }

@@ -2,6 +2,7 @@
 import CoreLocation
 import FerrostarCore
 import FerrostarCoreFFI
+import Foundation
 import Magcomp
 
 /// Ferrostar's locations from one provider, and its headings from a compass: give it to `FerrostarCore` in that provider's
@@ -31,14 +32,17 @@ public final class CompassLocationProvider: LocationProviding, LocationManagingD
         following = Task { @MainActor [weak self, compass] in
             do {
                 for try await answer in compass.readings(capacity: 1) { self?.show(answer) }
+                if !Task.isCancelled { self?.lose(at: Date()) }
             } catch {
                 guard let self else { return }
+                self.lose(at: Date())
                 self.delegate?.locationManager(self, didFailWithError: error)
             }
         }
     }
 
     public func stopUpdating() {
+        lose(at: Date())
         following?.cancel()
         following = nil
         locations.stopUpdating()
@@ -46,14 +50,23 @@ public final class CompassLocationProvider: LocationProviding, LocationManagingD
 
     /// Ferrostar's headings are whole degrees: the same one is not told again.
     private func show(_ answer: CompensatedReading) {
-        guard let headingDeg = answer.trueHeadingDeg else { return }
+        guard let headingDeg = answer.trueHeadingDeg else { return lose(at: answer.timestamp ?? Date()) }
         // as Core Location's accuracy, the largest deviation
         let accuracyDeg = min(2 * (answer.headingSigmaDeg ?? 180), 180).rounded(.up)
         let heading = Heading(
-            trueHeading: UInt16(headingDeg.rounded()) % 360, accuracy: UInt16(accuracyDeg), timestamp: answer.timestamp)
+            trueHeading: UInt16(headingDeg.rounded()) % 360, accuracy: UInt16(accuracyDeg),
+            timestamp: answer.timestamp ?? Date())
         guard heading.trueHeading != lastHeading?.trueHeading || heading.accuracy != lastHeading?.accuracy else { return }
         lastHeading = heading
         delegate?.locationManager(self, didUpdateHeading: heading)
+    }
+
+    /// There is no heading any more. Ferrostar has no word for that: the last one is told once more, with an accuracy that says nothing.
+    private func lose(at date: Date) {
+        guard let lost = lastHeading else { return }
+        lastHeading = nil
+        delegate?.locationManager(
+            self, didUpdateHeading: Heading(trueHeading: lost.trueHeading, accuracy: 180, timestamp: date))
     }
 
     public func locationManager(_ manager: LocationProviding, didUpdateLocations locations: [UserLocation]) {

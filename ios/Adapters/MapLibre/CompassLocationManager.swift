@@ -14,6 +14,8 @@ public final class CompassLocationManager: NSObject, MLNLocationManager, CLLocat
     /// Least change of the heading that is told, degrees, as `CLLocationManager.headingFilter`.
     private let headingFilterDeg: Double
     private var toldDeg: Double?
+    /// Whether the map was told that the heading is not known.
+    private var isLost = false
     private var following: Task<Void, Never>?
 
     public init(_ compass: Compass, locations: CLLocationManager = CLLocationManager(), headingFilterDeg: Double = 1) {
@@ -50,18 +52,21 @@ public final class CompassLocationManager: NSObject, MLNLocationManager, CLLocat
 
     public func startUpdatingHeading() {
         following?.cancel()
-        toldDeg = nil
+        (toldDeg, isLost) = (nil, false)
         following = Task { @MainActor [weak self, compass] in
             do {
                 for try await answer in compass.readings(capacity: 1) { self?.show(answer) }
+                if !Task.isCancelled { self?.lose(at: Date()) }
             } catch {
                 guard let self else { return }
+                self.lose(at: Date())
                 self.delegate?.locationManager(self, didFailWithError: error)
             }
         }
     }
 
     public func stopUpdatingHeading() {
+        if following != nil { lose(at: Date()) }
         following?.cancel()
         following = nil
     }
@@ -69,10 +74,17 @@ public final class CompassLocationManager: NSObject, MLNLocationManager, CLLocat
     public func dismissHeadingCalibrationDisplay() {}
 
     private func show(_ answer: CompensatedReading) {
-        guard let headingDeg = answer.headingDeg else { return }
+        guard let headingDeg = answer.headingDeg else { return lose(at: answer.timestamp ?? Date()) }
         if let toldDeg, abs((headingDeg - toldDeg).remainder(dividingBy: 360)) < headingFilterDeg { return }
-        toldDeg = headingDeg
+        (toldDeg, isLost) = (headingDeg, false)
         delegate?.locationManager(self, didUpdate: CompassCLHeading(answer))
+    }
+
+    /// Tells once that the heading is not known, as Core Location does: by an accuracy of -1.
+    private func lose(at date: Date) {
+        if isLost { return }
+        (toldDeg, isLost) = (nil, true)
+        delegate?.locationManager(self, didUpdate: CompassCLHeading(date))
     }
 
     public func locationManager(_ manager: CLLocationManager, didUpdateLocations fixes: [CLLocation]) {
@@ -92,23 +104,30 @@ public final class CompassLocationManager: NSObject, MLNLocationManager, CLLocat
 
 /// A reading as Core Location's heading, which only a subclass can be.
 private final class CompassCLHeading: CLHeading, @unchecked Sendable {
-    private let answer: CompensatedReading
+    private let answer: CompensatedReading?
     private let date: Date
 
     init(_ answer: CompensatedReading) {
-        (self.answer, date) = (answer, answer.timestamp)
+        (self.answer, date) = (answer, answer.timestamp ?? Date())
+        super.init()
+    }
+
+    /// Nothing known.
+    init(_ date: Date) {
+        (answer, self.date) = (nil, date)
         super.init()
     }
 
     required init?(coder: NSCoder) { nil }
 
-    override var magneticHeading: Double { answer.headingDeg ?? -1 }
+    // negative: not known, as Core Location has it
 
-    /// Negative: not known, as Core Location has it.
-    override var trueHeading: Double { answer.trueHeadingDeg ?? -1 }
+    override var magneticHeading: Double { answer?.headingDeg ?? -1 }
+
+    override var trueHeading: Double { answer?.trueHeadingDeg ?? -1 }
 
     /// The largest deviation.
-    override var headingAccuracy: Double { min(2 * (answer.headingSigmaDeg ?? 180), 180) }
+    override var headingAccuracy: Double { answer.map { min(2 * ($0.headingSigmaDeg ?? 180), 180) } ?? -1 }
 
     override var timestamp: Date { date }
 }

@@ -46,7 +46,7 @@ final class CourseHelp: NSObject, CLLocationManagerDelegate {
         Task { @MainActor in
             guard let headed else { return }
             // numbers of a fix that can't be are no help, and no harm
-            for fix in fixes { _ = try? compass.aid(fix, of: headed) }
+            for fix in fixes { _ = try? compass.aid(with: fix, pointing: headed) }
         }
     }
 }

@@ -118,9 +118,9 @@ extension Compass {
     /// - Returns: whether it was taken; one that is too late, or comes while nobody iterates, changes nothing
     /// - Throws: `MagcompError.eventRejected` for numbers that can't be
     @discardableResult
-    public func aid(_ heading: HeadingSample) throws -> Bool {
+    public func aid(with heading: HeadingSample) throws -> Bool {
         try heading.check()
-        return try aid { try $0.pushHeading(heading) }
+        return try aid(.heading(heading))
     }
 
     /// An orientation from outside: ARKit's camera (`AttitudeSample(arKitTimestampS:x:y:z:)`). While the gyroscope is missing its turns stand in
@@ -129,10 +129,9 @@ extension Compass {
     /// - Returns: whether it was taken; one that is too late, or comes while nobody iterates, changes nothing
     /// - Throws: `MagcompError.eventRejected` for numbers that can't be
     @discardableResult
-    public func aid(_ attitude: AttitudeSample) throws -> Bool {
+    public func aid(with attitude: AttitudeSample) throws -> Bool {
         try attitude.check()
-        estimation.see(attitude)
-        return try aid { try $0.pushAttitude(attitude) }
+        return try aid(.attitude(attitude))
     }
 }
 
@@ -148,11 +147,11 @@ extension Compass {
     ///   - headed: `.vehicle`: the phone lies in a holder; `.heldAhead`: its user walks and holds it ahead
     /// - Returns: whether there was a course, and it was taken
     @discardableResult
-    public func aid(_ location: CLLocation, of headed: HeadedAxis) throws -> Bool {
+    public func aid(with location: CLLocation, pointing headed: HeadedAxis) throws -> Bool {
         let course = HeadingSample(
             courseDeg: location.course, accuracyDeg: location.courseAccuracy, speedMS: location.speed,
             timeNs: HeadingSample.timeNs(of: location.timestamp), of: headed)
-        return try course.map { try aid($0) } ?? false
+        return try course.map { try aid(with: $0) } ?? false
     }
 }
 #endif
@@ -169,7 +168,7 @@ extension Compass {
         func column(_ c: SIMD4<Float>) -> SIMD3<Double> { SIMD3(Double(c.x), Double(c.y), Double(c.z)) }
         let (x, y, z, _) = transform.columns
         return try aid(
-            AttitudeSample(arKitTimestampS: timestampS, x: column(x), y: column(y), z: column(z)))
+            with: AttitudeSample(arKitTimestampS: timestampS, x: column(x), y: column(y), z: column(z)))
     }
 }
 #endif

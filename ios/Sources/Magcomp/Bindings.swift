@@ -1,9 +1,7 @@
-@_exported import MagcompBindings
-
 import Foundation
 
 // The generated bindings' global functions are `package`, because they would stand in every app's namespace. Here they
-// become members.
+// become members. `MagcompBindings.swift` is a link to them.
 
 extension MagcompError: LocalizedError {
     /// The error in a sentence that says what to do.
@@ -50,7 +48,7 @@ extension MagnetometerCalibration {
     /// - Returns: microtesla, device frame
     /// - Throws: `MagcompError.calibration` when the soft iron is not positive definite or a number is out of range
     public func correct(_ rawUt: DeviceVector) throws -> DeviceVector {
-        try MagcompBindings.correct(calibration: self, rawUt: rawUt)
+        try Magcomp.correct(calibration: self, rawUt: rawUt)
     }
 }
 
@@ -59,5 +57,5 @@ extension MagcompLogLevel {
     /// process sets the tag, later ones the level.
     ///
     /// - Parameter tag: what every line begins with
-    public func startLogging(tag: String) { MagcompBindings.startLogging(tag: tag, level: self) }
+    public func startLogging(tag: String) { Magcomp.startLogging(tag: tag, level: self) }
 }

@@ -29,10 +29,11 @@ public final class Compass: Sendable {
         self.init(source: source, config: config, store: store, graceS: graceS, unixTimeS: systemUnixTimeS)
     }
 
-    /// With another wall clock, seconds since 1970, and another patience with an iterator that asks for nothing, seconds.
+    /// With another wall clock, seconds since 1970, another patience with an iterator that asks for nothing, and with a source that
+    /// is silent, seconds.
     init(
         source: any MagneticFieldSource, config: CompensationConfig = CompensationConfig(),
-        store: (any CalibrationStore)? = nil, graceS: Double = 0, patienceS: Double = 5,
+        store: (any CalibrationStore)? = nil, graceS: Double = 0, patienceS: Double = 5, silenceS: Double = 2,
         unixTimeS: @escaping @Sendable () -> Int64
     ) {
         let frames = Locked(
@@ -42,8 +43,8 @@ public final class Compass: Sendable {
                 declinationDeg: config.heading?.declinationDeg))
         self.frames = frames
         estimation = Estimation(
-            config, store: store, hiddenS: { source.hiddenS }, unixTimeS: unixTimeS, frame: { frames.value })
-        readers = Readers(of: { source.samples() }, by: estimation, graceS: graceS, patienceS: patienceS)
+            config, store: store, hiddenS: { source.hiddenS }, unixTimeS: unixTimeS, frames: frames)
+        readers = Readers(of: { source.samples() }, by: estimation, graceS: graceS, patienceS: patienceS, silenceS: silenceS)
     }
 
     deinit { readers.endGrace() }
@@ -148,8 +149,11 @@ public final class Compass: Sendable {
     /// The latest reading while the sensors run.
     var latest: CompensatedReading? { readers.latest }
 
+    /// Whether the events of the latest run come whether or not anybody is ready for them.
+    var isLive: Bool { readers.isLive }
+
     /// Tells the estimator what something else knows; false where there is none, or it came too late or too early.
-    func aid(_ push: (Compensator) throws -> Void) throws -> Bool { try estimation.aid(push) }
+    func aid(_ help: SensorSample) throws -> Bool { try estimation.aid(help) }
 
     /// Waits until the store has done all that it was told.
     func settled() async { await estimation.settled() }

@@ -1,12 +1,11 @@
 import Observation
 
-/// What a compass screen shows, for SwiftUI: `.task { await model.run() }`. For iOS 15 and 16 there is ``CompassObject``.
+/// What a compass screen shows, for SwiftUI: `.task { await model.run() }`.
 ///
 /// Any number of views may run one model: they share one run, which begins with nothing shown, or with the latest reading where the
 /// sensors still run on after another screen. A run that ends with an error leaves only the ``error``, and its text in ``status``; one
 /// whose error may pass (``CompassError/mayPass``) waits for ``retry()``. A value is set only when it differs, and at most as often as a
 /// screen is drawn, so a view is drawn anew only for the values it shows.
-@available(iOS 17, macOS 14, tvOS 17, watchOS 10, *)
 @MainActor @Observable
 public final class CompassModel {
     /// Clockwise from magnetic north, degrees, 0 to 360; nil when it is not known.
@@ -59,7 +58,7 @@ public final class CompassModel {
     public convenience init(display: CompassDisplay = CompassDisplay()) { self.init(compass: Compass(), display: display) }
     #endif
 
-    /// Shows readings until its task is cancelled or the source ends, whose last one stays then.
+    /// Shows readings until its task is cancelled or the source ends; then it shows no heading, but a recording's last reading stays.
     public func run() async {
         if isPreview { return }
         await runs.join { [self] retries in await compass.follow(display, retries: retries) { show($0) } }

@@ -1,11 +1,10 @@
-// Linux has no SwiftUI: this file is parsed there, not compiled
+// Linux compiles this with a stand-in of SwiftUI
 #if canImport(SwiftUI)
 import SwiftUI
 
 /// A compass rose: north, east, south and west in the app's language and a tick every 10 degrees turn against the heading under a
 /// lubber line, which stands for the phone, with a cone of two standard deviations to both sides of north, in which it lies 19 times
 /// of 20. Without a heading the circle alone. Letters follow Dynamic Type; VoiceOver reads the heading and how sure it is.
-@available(iOS 15, macOS 12, *)
 public struct CompassRose: View {
     private let headingDeg: Double?
     private let sigmaDeg: Double
@@ -46,7 +45,6 @@ public struct CompassRose: View {
 }
 
 /// A sector about the top.
-@available(iOS 15, macOS 12, *)
 private struct Cone: Shape {
     let halfWidthDeg: Double
 
@@ -63,7 +61,6 @@ private struct Cone: Shape {
 }
 
 /// A tick every 10 degrees, longer every 30.
-@available(iOS 15, macOS 12, *)
 private struct Ticks: Shape {
     func path(in rect: CGRect) -> Path {
         let radius = min(rect.width, rect.height) / 2
@@ -80,7 +77,6 @@ private struct Ticks: Shape {
 }
 
 /// A short line at the top that does not turn.
-@available(iOS 15, macOS 12, *)
 private struct LubberLine: Shape {
     func path(in rect: CGRect) -> Path {
         let top = rect.midY - min(rect.width, rect.height) / 2
@@ -93,7 +89,6 @@ private struct LubberLine: Shape {
 
 /// What the compass is doing and what the person can do, under a rose; a disturbed place stands out. Where access to the sensors was
 /// refused there is a button to the app's page in Settings, and where an error may pass one to try again.
-@available(iOS 15, macOS 12, *)
 public struct CompassAdvice: View {
     private let status: String
     private let guidance: String?
@@ -120,7 +115,7 @@ public struct CompassAdvice: View {
             Text(status)
             if let guidance { Text(guidance).bold() }
             if error?.mayPass == true, let retry {
-                Button(say("ios_try_again"), action: retry)
+                Button(say("ios_try_again")) { retry() }
             } else if let recovery = error?.recoverySuggestion {
                 Text(recovery)
             }

@@ -1,4 +1,4 @@
-// Linux has no SwiftUI: this file is parsed there, not compiled
+// Linux compiles this with a stand-in of SwiftUI
 #if canImport(SwiftUI)
 import SwiftUI
 
@@ -6,7 +6,6 @@ extension View {
     /// Tells a compass how far the screen of this view's window has turned, at the beginning and whenever that changes, so that headings
     /// are those of the top of what the person sees: `.compassScreen(model.compass)`. Axis and declination stay. On a Mac, whose screen
     /// does not turn, it does nothing.
-    @available(iOS 15, macOS 12, *)
     public func compassScreen(_ compass: Compass) -> some View {
         #if os(iOS)
         background(WindowOrientation { if let rotation = ScreenRotation($0) { compass.screenRotation = rotation } })
@@ -41,10 +40,8 @@ private struct WindowOrientation: UIViewRepresentable {
         override func didMoveToWindow() {
             super.didMoveToWindow()
             observed = nil
-            if #available(iOS 16, *), let scene = window?.windowScene {
-                observed = scene.observe(\.effectiveGeometry) { [weak self] _, _ in
-                    Task { @MainActor in self?.tell() }
-                }
+            observed = window?.windowScene?.observe(\.effectiveGeometry) { [weak self] _, _ in
+                Task { @MainActor in self?.tell() }
             }
         }
 
@@ -55,7 +52,7 @@ private struct WindowOrientation: UIViewRepresentable {
         }
 
         private func tell() {
-            if let orientation = window?.windowScene?.interfaceOrientation { changed(orientation) }
+            if let orientation = window?.windowScene?.effectiveGeometry.interfaceOrientation { changed(orientation) }
         }
     }
 }

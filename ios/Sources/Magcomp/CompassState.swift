@@ -1,4 +1,4 @@
-/// What a compass screen shows; ``CompassModel`` and ``CompassObject`` bring it to SwiftUI.
+/// What a compass screen shows; ``CompassModel`` brings it to SwiftUI.
 public struct CompassState: Equatable, Sendable {
     /// Clockwise from magnetic north, degrees, 0 to 360; nil when it is not known.
     public var headingDeg: Double?
@@ -42,9 +42,8 @@ public struct CompassState: Equatable, Sendable {
     mutating func show(_ answer: CompensatedReading) {
         let new = answer.reading
         // only another status asks for words
-        if reading?.reading.status != new.status {
-            status = new.status.localizedText
-            guidance = new.status.localizedGuidance
+        if reading?.reading.status != new.status || reading?.isSilent != answer.isSilent {
+            (status, guidance) = (answer.localizedText, answer.localizedGuidance)
         }
         headingDeg = new.heading?.headingDeg
         headingSigmaDeg = new.heading?.headingSigmaDeg ?? 180
@@ -84,8 +83,8 @@ public struct CompassDisplay: Equatable, Sendable {
 }
 
 extension Compass {
-    /// Gives what a screen shows, until the task is cancelled or the source ends, whose last state stays then. Begins with
-    /// nothing known, or while the sensors run on after another screen with what they know; an error leaves nothing but itself and its
+    /// Gives what a screen shows, until the task is cancelled or the source ends. Then nothing is known any more, but a recording's last
+    /// state stays. Begins with nothing known, or while the sensors run on after another screen with what they know; an error leaves nothing but itself and its
     /// text. After one that may pass it waits until it is told to try again.
     @MainActor
     func follow(_ display: CompassDisplay, retries: SharedRun.Retries, show: (CompassState) -> Void) async {
@@ -99,7 +98,11 @@ extension Compass {
                 while let answer = try await iterator.next(isolation: MainActor.shared) {
                     if screen.see(answer) { show(screen.state) }
                 }
-                if screen.end() { show(screen.state) }
+                if Task.isCancelled {
+                    show(CompassState())
+                } else if screen.end(isLive: isLive) {
+                    show(screen.state)
+                }
                 return
             } catch {
                 let error = CompassError(error)
@@ -112,7 +115,10 @@ extension Compass {
                 break
             }
             // else the task was cancelled
-            if !isTold { return }
+            if !isTold {
+                show(CompassState())
+                return
+            }
         }
     }
 }
@@ -134,6 +140,11 @@ struct CompassScreen {
     /// Whether the state shows this reading now.
     mutating func see(_ answer: CompensatedReading) -> Bool {
         let timeNs = answer.sample.timeNs
+        if answer.isSilent {
+            (shownNs, waiting) = (nil, nil)
+            take(answer)
+            return true
+        }
         // the clock may have begun anew since, so either may be the later
         if let shownNs, abs(Double(timeNs) - Double(shownNs)) * display.rateHz < 1e9 {
             waiting = answer
@@ -144,8 +155,9 @@ struct CompassScreen {
         return true
     }
 
-    /// Whether the last reading was not shown yet; now the state shows it.
-    mutating func end() -> Bool {
+    /// Whether the last reading was not shown yet, and now the state shows it; or that a source that was live gives no more.
+    mutating func end(isLive: Bool) -> Bool {
+        if isLive, let last = waiting ?? state.reading { return see(CompensatedReading(silentAfter: last.sample)) }
         guard let waiting else { return false }
         take(waiting)
         self.waiting = nil

@@ -18,16 +18,32 @@ public struct CompensatedReading: Equatable, Codable, Sendable {
     public var headingAid: HeadingAid?
     /// Readings dropped right before this one because the iterator was slow; the estimator saw every sample all the same.
     public var droppedBefore: Int
+    /// When its sample was taken, to be laid beside a `CLLocation` or a `CLHeading`, by the device's clock as it was when the sample came.
+    /// Nil for a source whose times are not those of the device's sensors: a recording, a simulation.
+    public var timestamp: Date?
+    /// Whether the source has delivered no sample for 2 s: there is neither field nor heading nor attitude then. It is told once, and
+    /// the next reading comes with the next sample; ``sample`` is the last one, all zeros where there was none.
+    public var isSilent = false
 
     /// For previews and tests: an app gets its readings by iterating.
     public init(
         reading: MagneticReading, sample: MagneticSample, systemField: SystemFieldSample? = nil,
         unseenDirections: [DeviceVector] = [], storeError: MagcompError? = nil, headingAid: HeadingAid? = nil,
-        droppedBefore: Int = 0
+        droppedBefore: Int = 0, timestamp: Date? = nil
     ) {
         (self.reading, self.sample, self.systemField) = (reading, sample, systemField)
         (self.unseenDirections, self.storeError, self.droppedBefore) = (unseenDirections, storeError, droppedBefore)
-        self.headingAid = headingAid
+        (self.headingAid, self.timestamp) = (headingAid, timestamp)
+    }
+
+    /// Of no sample: the source is silent.
+    init(silentAfter sample: MagneticSample?, storeError: MagcompError? = nil, unseenDirections: [DeviceVector] = []) {
+        let latest = sample ?? MagneticSample(timeNs: 0, fieldUt: DeviceVector(x: 0, y: 0, z: 0))
+        self.init(
+            reading: MagneticReading(
+                timeNs: latest.timeNs, status: .collecting(missing: .samples(have: 0, need: 1))),
+            sample: latest, unseenDirections: unseenDirections, storeError: storeError)
+        isSilent = true
     }
 
     /// Clockwise from magnetic north, degrees, 0 to 360; nil when it is not known.
@@ -40,12 +56,15 @@ public struct CompensatedReading: Equatable, Codable, Sendable {
     public var status: CompensationStatus { reading.status }
     /// How the phone is turned; nil when it is not known.
     public var attitude: DeviceAttitude? { reading.attitude }
+    /// One sentence an app may show, in the app's language: what the compass is doing, or that the sensors deliver nothing.
+    public var localizedText: String { isSilent ? say("ios_silent") : status.localizedText }
+    /// What the person can do for a better heading, in the app's language; nil: nothing.
+    public var localizedGuidance: String? { isSilent ? nil : status.localizedGuidance }
 
-    /// When its sample was taken, to be laid beside a `CLLocation` or a `CLHeading`. Core Motion counts its times from the
-    /// start of the device, without its sleep, so this is asked soon after the reading came; of a recording it says nothing.
-    public var timestamp: Date { timestamp(now: Date(), uptimeS: ProcessInfo.processInfo.systemUptime) }
-
-    func timestamp(now: Date, uptimeS: TimeInterval) -> Date {
+    /// Core Motion counts its times from the start of the device, without its sleep.
+    static func date(
+        of sample: MagneticSample, now: Date = Date(), uptimeS: TimeInterval = ProcessInfo.processInfo.systemUptime
+    ) -> Date {
         now.addingTimeInterval(Double(sample.timeNs) * 1e-9 - uptimeS)
     }
 }

@@ -53,16 +53,18 @@ public final class Compensator: Sendable {
         return try check(magcomp_push_up(handle, sample.timeNs, up.x, up.y, up.z)) == 0
     }
 
-    /// Any event; the answer to a magnetic one. A heading whose time is not right is passed over.
+    /// Any event; the answer to a magnetic one. A heading or an attitude whose time is not right is passed over, and so is a note: that
+    /// is a ``Compass``'s.
     ///
-    /// - Throws: `MagcompError.eventRejected` for a heading whose numbers can't be
+    /// - Throws: `MagcompError.eventRejected` for a heading or an attitude whose numbers can't be
     public func push(_ event: SensorSample) throws -> MagneticReading? {
         switch event {
         case .magnetic(let sample): return try push(sample)
         case .rotationRate(let sample): try pushRotationRate(sample)
         case .up(let sample): try pushUp(sample)
-        case .systemField: break
+        case .systemField, .note: break
         case .heading(let sample): _ = try Self.taken { try pushHeading(sample) }
+        case .attitude(let sample): _ = try Self.taken { try pushAttitude(sample) }
         }
         return nil
     }

@@ -77,7 +77,7 @@ public final class CoreMotionSource: MagneticFieldSource {
     public var hiddenS: Double { updates.hiddenS }
 
     public func samples() -> SensorSamples {
-        SensorSamples.batches { [updates] in updates.events() }
+        SensorSamples.calls { [updates] in updates.listen($0) }
     }
 
     /// By how much device motion lately came later than magnetometer events of the same time, seconds: the largest of about
@@ -88,7 +88,7 @@ public final class CoreMotionSource: MagneticFieldSource {
 
 /// One motion manager and everyone who wants its events.
 private final class Updates: @unchecked Sendable {
-    typealias Events = AsyncThrowingStream<[SensorSample], any Error>
+    typealias Listener = SensorSamples.Listener
 
     private let queue = OperationQueue()
     // what follows is used inside `lock` alone
@@ -97,7 +97,7 @@ private final class Updates: @unchecked Sendable {
     private lazy var manager = make()
     private let ask: @Sendable () -> SensorOptions
     private lazy var options = ask()
-    private var listeners: [Int: Events.Continuation] = [:]
+    private var listeners: [Int: Listener] = [:]
     private var number = 0
     /// Runs of the sensors so far: what an old one still has to say is not of the present one.
     private var run = 0
@@ -118,19 +118,17 @@ private final class Updates: @unchecked Sendable {
         queue.qualityOfService = .userInitiated
     }
 
-    func events() -> Events {
-        // no event is dropped before the estimator
-        Events(bufferingPolicy: .unbounded) { listener in
-            do {
-                let number = try add(listener)
-                listener.onTermination = { _ in self.remove(number) }
-            } catch {
-                listener.finish(throwing: error)
-            }
+    func listen(_ listener: Listener) -> @Sendable () -> Void {
+        do {
+            let number = try add(listener)
+            return { self.remove(number) }
+        } catch {
+            listener.end(error)
+            return {}
         }
     }
 
-    private func add(_ listener: Events.Continuation) throws -> Int {
+    private func add(_ listener: Listener) throws -> Int {
         try lock.withLock {
             if listeners.isEmpty { try start() }
             number += 1
@@ -222,14 +220,14 @@ private final class Updates: @unchecked Sendable {
     private func deliver(_ events: [SensorSample], of run: Int, note: () -> Void) {
         // what has no time at all, which Core Motion never reports, tells nothing
         guard !events.isEmpty else { return }
-        let (all, due): ([Events.Continuation], [SensorSample]) = lock.withLock {
+        let (all, due): ([Listener], [SensorSample]) = lock.withLock {
             // they were on their way when their run ended, and another has begun since
             guard run == self.run else { return ([], []) }
             note()
             return (Array(listeners.values), events.flatMap { queued.push($0) })
         }
         if due.isEmpty { return }
-        for listener in all { listener.yield(due) }
+        for listener in all { listener.take(due) }
     }
 
     var lagS: Double? { lock.withLock { lag.seconds } }
@@ -245,7 +243,7 @@ private final class Updates: @unchecked Sendable {
         let failure: SensorError =
             refused
             ? .accessRefused(sensor: sensor) : .refused(sensor: sensor, reason: "\(reason.domain) \(reason.code)")
-        let (all, rest): ([Events.Continuation], [SensorSample]) = lock.withLock {
+        let (all, rest): ([Listener], [SensorSample]) = lock.withLock {
             // the other sensor's error came first, and another run has begun since
             guard run == self.run, !listeners.isEmpty else { return ([], []) }
             defer { listeners = [:] }
@@ -254,8 +252,8 @@ private final class Updates: @unchecked Sendable {
         }
         // outside the lock: this calls `remove`
         for listener in all {
-            listener.yield(rest)
-            listener.finish(throwing: failure)
+            listener.take(rest)
+            listener.end(failure)
         }
     }
 }

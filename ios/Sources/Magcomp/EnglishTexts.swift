@@ -44,6 +44,7 @@ let englishTexts: [String: String] = [
     "spoken_heading": "heading %1$lld degrees, give or take %2$lld",
     "spoken_no_heading": "no heading yet",
     "starting": "starting",
+    "ios_silent": "the magnetometer delivers nothing",
     "ios_error_missing": "This device has no %1$@.",
     "ios_error_access_refused": "The app may not use the %1$@.",
     "ios_error_refused": "The %1$@ has stopped.",

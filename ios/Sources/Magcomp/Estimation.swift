@@ -17,7 +17,7 @@ final class Estimation: @unchecked Sendable {
 
     private let config: CompensationConfig
     private let store: (any CalibrationStore)?
-    private let frame: (@Sendable () -> HeadingFrame)?
+    private let frames: Locked<HeadingFrame>
     private let sleptS: @Sendable () -> Double
     private let unixTimeS: @Sendable () -> Int64
     /// The store's, one call at a time.
@@ -60,41 +60,72 @@ final class Estimation: @unchecked Sendable {
     private var world: WorldTurn?
     /// Whether the store was told something that no run has waited for.
     private var isTold = false
+    /// Gets all that the compensator is given.
+    private var recording: CompassRecording?
 
     init(
         _ config: CompensationConfig, store: (any CalibrationStore)?, hiddenS: @escaping @Sendable () -> Double = { 0 },
-        unixTimeS: @escaping @Sendable () -> Int64 = systemUnixTimeS, frame: (@Sendable () -> HeadingFrame)?
+        unixTimeS: @escaping @Sendable () -> Int64 = systemUnixTimeS, frames: Locked<HeadingFrame>
     ) {
-        (self.config, self.store, self.frame) = (config, store, frame)
+        (self.config, self.store, self.frames) = (config, store, frames)
         (sleptS, self.unixTimeS, self.hiddenS) = (hiddenS, unixTimeS, hiddenS())
+    }
+
+    /// Records from now on. What was learned before goes into it as a kept calibration.
+    func record(_ make: () throws -> CompassRecording) throws -> CompassRecording {
+        try lock.withLock {
+            if let recording, !recording.isOver {
+                throw MagcompError.config(
+                    field: "Compass.record", value: recording.urls[0].lastPathComponent,
+                    expected: "one recording at a time; close that one first")
+            }
+            let made = try make()
+            recording = made
+            if let compensator {
+                let now = unixTimeS()
+                if let kept = try compensator.keep(unixTimeS: now) ?? text { made.kept(kept, unixTimeS: now) }
+                if !begins { made.beginRun() }
+                // the next sample tells it
+                currentFrame = nil
+            }
+            return made
+        }
     }
 
     /// A run of events begins: the first with what the store keeps, a later one with all that the one before has learned.
     func begin() async throws {
         let known = lock.withLock {
-            (begins, systemField, systemPeriodNs) = (true, nil, Self.firstPeriodNs)
+            beginRun()
             return (isThere: compensator != nil, resets: resets)
         }
         if known.isThere { return }
         let kept = await load()
         try lock.withLock {
             forget()
+            recording?.reset()
             let made = try Compensator(config: config)
-            do {
-                // who resets meanwhile does not want what was kept before
-                if let kept, resets == known.resets {
-                    try adopt(kept, made)
-                    saved = try Self.correction(of: made)
-                }
-            } catch let error as MagcompError {
-                switch error {
-                // as at the first launch
-                case .keptDamaged, .keptNewer: storeError = error
-                default: throw error
-                }
-            }
+            // who resets meanwhile does not want what was kept before
+            if let kept, resets == known.resets { try adopt(kept, made, unixTimeS()) }
             isInForce = try made.calibration() != nil
             compensator = made
+        }
+    }
+
+    /// Inside `lock`.
+    private func beginRun() { (begins, systemField, systemPeriodNs) = (true, nil, Self.firstPeriodNs) }
+
+    /// Takes over what was kept; what is damaged or newer is told, and all is as at the first launch.
+    private func adopt(_ kept: String, _ compensator: Compensator, _ unixTimeS: Int64) throws {
+        recording?.kept(kept, unixTimeS: unixTimeS)
+        do {
+            try compensator.adoptKept(kept, unixTimeS: unixTimeS)
+            text = kept
+            saved = try Self.correction(of: compensator)
+        } catch let error as MagcompError {
+            switch error {
+            case .keptDamaged, .keptNewer: storeError = error
+            default: throw error
+            }
         }
     }
 
@@ -106,31 +137,53 @@ final class Estimation: @unchecked Sendable {
         }
     }
 
-    /// Appends the answers to the magnetometer samples among events.
-    func push(_ events: [SensorSample], _ answers: inout [CompensatedReading]) throws {
+    /// Appends the answers to the magnetometer samples among events; those of a live source have a date.
+    func push(_ events: [SensorSample], isLive: Bool, _ answers: inout [CompensatedReading]) throws {
         try lock.withLock {
             guard compensator != nil else { throw defect ?? MagcompError.closed }
             for event in events {
-                if let answer = try use({ try push(event, to: $0) }) ?? nil { answers.append(answer) }
+                guard var answer = try use({ try push(event, to: $0) }) ?? nil else { continue }
+                if isLive { answer.timestamp = CompensatedReading.date(of: answer.sample) }
+                answers.append(answer)
             }
         }
     }
 
-    /// Tells the compensator what something else knows; false where there is none, or it came too late or too early.
-    func aid(_ push: (Compensator) throws -> Void) throws -> Bool {
-        try lock.withLock {
-            let isTaken = try use { compensator in try Compensator.taken { try push(compensator) } } ?? false
-            if isTaken { isAided = true }
-            return isTaken
+    /// What is known while the source delivers nothing: neither field nor heading.
+    func silent(after latest: CompensatedReading?) -> CompensatedReading {
+        lock.withLock {
+            world?.forgetAttitudes()
+            return CompensatedReading(silentAfter: latest?.sample, storeError: storeError, unseenDirections: unseen)
         }
     }
 
-    /// Notes an orientation in an outside world.
-    func see(_ pose: AttitudeSample) {
-        lock.withLock {
-            if world == nil { world = WorldTurn() }
-            world?.see(pose)
+    /// Tells the compensator what something else knows; false where there is none, or it came too late or too early.
+    func aid(_ help: SensorSample) throws -> Bool {
+        try lock.withLock {
+            if case .attitude(let pose) = help { seePose(pose) }
+            return try use { try aid(help, $0) } ?? false
         }
+    }
+
+    private func aid(_ help: SensorSample, _ compensator: Compensator) throws -> Bool {
+        let isTaken = try Compensator.taken {
+            switch help {
+            case .heading(let sample): try compensator.pushHeading(sample)
+            case .attitude(let sample): try compensator.pushAttitude(sample)
+            default: break
+            }
+        }
+        if isTaken {
+            isAided = true
+            recording?.take(help)
+        }
+        return isTaken
+    }
+
+    /// Notes an orientation in an outside world.
+    private func seePose(_ pose: AttitudeSample) {
+        if world == nil { world = WorldTurn() }
+        world?.see(pose)
     }
 
     /// Magnetic north in that world.
@@ -193,12 +246,17 @@ final class Estimation: @unchecked Sendable {
     /// Forgets the learned calibration, in the store too.
     func reset() {
         lock.withLock {
-            forget()
+            resetLearned()
             resets += 1
-            // one that can't be reset is made anew by the next run
-            do { try compensator?.reset() } catch { compensator = nil }
             tell { $0.clear() }
         }
+    }
+
+    private func resetLearned() {
+        forget()
+        recording?.reset()
+        // one that can't be reset is made anew by the next run
+        do { try compensator?.reset() } catch { compensator = nil }
     }
 
     private func forget() {
@@ -207,32 +265,68 @@ final class Estimation: @unchecked Sendable {
         (text, storeError, lookedS, isAided, world) = (nil, nil, nil, false, nil)
     }
 
-    private func adopt(_ kept: String, _ compensator: Compensator) throws {
-        try compensator.adoptKept(kept, unixTimeS: unixTimeS())
-        text = kept
-    }
-
     /// The phone slept, and the events' times do not show it.
     private func noteSleep(_ compensator: Compensator) throws {
         let now = sleptS()
         guard now != hiddenS else { return }
-        try compensator.pushGap(hiddenS: now - hiddenS)
+        try push(sleptS: now - hiddenS, compensator)
         hiddenS = now
     }
 
+    private func push(sleptS: Double, _ compensator: Compensator) throws {
+        recording?.slept(sleptS)
+        try compensator.pushGap(hiddenS: sleptS)
+    }
+
     private func push(_ event: SensorSample, to compensator: Compensator) throws -> CompensatedReading? {
-        if begins {
+        if begins, !event.isNote {
             begins = false
-            if let latestNs, Double(event.timeNs) < Double(latestNs) - Self.anotherClockNs { try startClock(compensator) }
+            let isAnotherClock = latestNs.map { Double(event.timeNs) < Double($0) - Self.anotherClockNs } ?? false
+            if isAnotherClock {
+                recording?.beginClock()
+                try startClock(compensator)
+            }
+            recording?.beginRun()
         }
-        if case .systemField(let sample) = event { see(sample) }
-        if case .heading = event { isAided = true }
-        guard case .magnetic(let sample) = event else { return try compensator.push(event).flatMap { _ in nil } }
-        if let wanted = frame?(), wanted != currentFrame {
+        switch event {
+        case .magnetic(let sample): return try push(sample, to: compensator)
+        case .up(let sample): try compensator.pushUp(sample)
+        case .rotationRate(let sample): try compensator.pushRotationRate(sample)
+        case .systemField(let sample): see(sample)
+        case .note(let note):
+            try take(note.what, compensator)
+            return nil
+        case .heading, .attitude:
+            if case .attitude(let pose) = event { seePose(pose) }
+            _ = try aid(event, compensator)
+            return nil
+        }
+        recording?.take(event)
+        return nil
+    }
+
+    /// What a compass was told that was recorded.
+    private func take(_ what: RecordedNote.What, _ compensator: Compensator) throws {
+        switch what {
+        case .run: beginRun()
+        case .reset: resetLearned()
+        case .kept(let text, let unixTimeS):
+            try adopt(text, compensator, unixTimeS)
+            isInForce = try compensator.calibration() != nil
+        case .slept(let seconds): try push(sleptS: seconds, compensator)
+        case .frame(let frame): frames.value = frame
+        }
+    }
+
+    private func push(_ sample: MagneticSample, to compensator: Compensator) throws -> CompensatedReading {
+        try noteSleep(compensator)
+        let wanted = frames.value
+        if wanted != currentFrame {
             try compensator.setHeadingFrame(wanted)
             currentFrame = wanted
+            recording?.frame(wanted)
         }
-        try noteSleep(compensator)
+        recording?.take(.magnetic(sample))
         let told = wantsSystems ? withSystemsHardIron(sample) : sample
         let reading = try compensator.push(told)
         // of a sample that is refused nothing was taken, and its time may be any
@@ -273,7 +367,9 @@ final class Estimation: @unchecked Sendable {
     private func startClock(_ compensator: Compensator) throws {
         let kept = try compensator.keep(unixTimeS: lookedS ?? unixTimeS()) ?? text
         try compensator.reset()
-        if let kept { try adopt(kept, compensator) }
+        let before = saved
+        if let kept { try adopt(kept, compensator, unixTimeS()) }
+        saved = before
         (currentFrame, lookedNs, wantsSystems) = (nil, nil, true)
         savedNs = savedNs.map { _ in .min }
     }

@@ -67,7 +67,7 @@ extension SensorSample {
     fileprivate var place: Int {
         switch self {
         case .rotationRate: 0
-        case .up, .systemField, .heading: 1
+        case .up, .systemField, .heading, .attitude, .note: 1
         case .magnetic: 2
         }
     }
@@ -76,7 +76,7 @@ extension SensorSample {
     fileprivate var isAwaited: Bool {
         switch self {
         case .rotationRate, .up, .magnetic: true
-        case .systemField, .heading: false
+        case .systemField, .heading, .attitude, .note: false
         }
     }
 }

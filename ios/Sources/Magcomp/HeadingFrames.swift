@@ -30,7 +30,7 @@ extension CompassHeading {
     ///   - headingDeg: clockwise from magnetic north, degrees
     ///   - declinationDeg: from true to magnetic north, degrees, east positive
     public static func trueHeadingDeg(headingDeg: Double, declinationDeg: Double) -> Double {
-        MagcompBindings.trueHeadingDeg(headingDeg: headingDeg, declinationDeg: declinationDeg)
+        Magcomp.trueHeadingDeg(headingDeg: headingDeg, declinationDeg: declinationDeg)
     }
 }
 

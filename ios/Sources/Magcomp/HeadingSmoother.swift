@@ -4,17 +4,17 @@ import Foundation
 /// one, the shorter way round: y += (1 - 2^(-dt / halfLife)) wrap(x - y).
 ///
 /// In a steady turn the shown heading lags by about 1.4 half-lives; the heading's sigma does not count this lag.
-public struct HeadingSmoother: Equatable, Sendable {
+struct HeadingSmoother: Equatable, Sendable {
     /// Seconds in which half of a difference goes.
-    public let halfLifeS: Double
+    let halfLifeS: Double
     private var latest: (headingDeg: Double, timeNs: Int64)?
 
     /// - Parameter halfLifeS: seconds; 0 or NaN smooths nothing
-    public init(halfLifeS: Double) { self.halfLifeS = halfLifeS }
+    init(halfLifeS: Double) { self.halfLifeS = halfLifeS }
 
     /// The smoothed heading, degrees, 0 to 360. The first heading is returned as it is; so is one whose time is not
     /// after the latest, as when a clock began anew. One that is no number is returned and forgotten.
-    public mutating func push(_ headingDeg: Double, timeNs: Int64) -> Double {
+    mutating func push(_ headingDeg: Double, timeNs: Int64) -> Double {
         guard headingDeg.isFinite else { return headingDeg }
         var shown = headingDeg
         if let latest, timeNs > latest.timeNs, halfLifeS > 0 {
@@ -28,9 +28,9 @@ public struct HeadingSmoother: Equatable, Sendable {
     }
 
     /// The next heading is the first again.
-    public mutating func reset() { latest = nil }
+    mutating func reset() { latest = nil }
 
-    public static func == (one: Self, other: Self) -> Bool {
+    static func == (one: Self, other: Self) -> Bool {
         one.halfLifeS == other.halfLifeS && one.latest?.headingDeg == other.latest?.headingDeg
             && one.latest?.timeNs == other.latest?.timeNs
     }

@@ -31,6 +31,10 @@ public enum SensorSample: Equatable, Codable, Sendable {
     case systemField(SystemFieldSample)
     /// A heading from outside, as a recording has it; an app tells its own by `Compass.aid`.
     case heading(HeadingSample)
+    /// An orientation from outside, as a recording has it; an app tells its own by `Compass.aid`.
+    case attitude(AttitudeSample)
+    /// What else the compass was told, as a recording has it.
+    case note(RecordedNote)
 
     /// Time of the event, nanoseconds, on one clock for all sensors.
     public var timeNs: Int64 {
@@ -40,8 +44,29 @@ public enum SensorSample: Equatable, Codable, Sendable {
         case .up(let sample): sample.timeNs
         case .systemField(let sample): sample.timeNs
         case .heading(let sample): sample.timeNs
+        case .attitude(let sample): sample.timeNs
+        case .note(let note): note.timeNs
         }
     }
+
+    /// Whether it is no sensor's.
+    var isNote: Bool { if case .note = self { true } else { false } }
+}
+
+/// What a compass was told besides events, at its place among them: how long the phone slept, the heading's frame, a calibration that was
+/// taken over, a reset, a new run of the sensors. A ``RecordingSource`` gives them, so that its readings are those of the compass that
+/// was recorded.
+public struct RecordedNote: Equatable, Codable, Sendable {
+    enum What: Equatable, Codable, Sendable {
+        case run, reset
+        case kept(text: String, unixTimeS: Int64)
+        case slept(seconds: Double)
+        case frame(HeadingFrame)
+    }
+
+    /// Time of the recording's row, nanoseconds.
+    public let timeNs: Int64
+    let what: What
 }
 
 /// The field as the operating system has calibrated it.
@@ -73,6 +98,30 @@ public struct SensorSamples: AsyncSequence, Sendable {
     public let isLive: Bool
 
     private let begin: @Sendable () -> AsyncIterator
+    /// Of sensors that call: events need no task on their way.
+    let listen: Listen?
+
+    /// Takes the events of a source that calls, on the thread they come on, and its end.
+    struct Listener: Sendable {
+        let take: @Sendable ([SensorSample]) -> Void
+        let end: @Sendable ((any Error)?) -> Void
+    }
+
+    /// Begins to call a listener; what it gives back ends that.
+    typealias Listen = @Sendable (Listener) -> @Sendable () -> Void
+
+    /// Events of a source that calls whoever listens, one call at a time.
+    static func calls(_ listen: @escaping Listen) -> SensorSamples {
+        SensorSamples(
+            true,
+            {
+                // no event is dropped before the estimator
+                AsyncThrowingStream<[SensorSample], any Error>(bufferingPolicy: .unbounded) { stream in
+                    let stop = listen(Listener(take: { stream.yield($0) }, end: { stream.finish(throwing: $0) }))
+                    stream.onTermination = { _ in stop() }
+                }
+            }, { $0.append(contentsOf: $1) }, listen)
+    }
 
     /// - Parameters:
     ///   - isLive: whether events come whether or not anybody is ready for them
@@ -93,9 +142,9 @@ public struct SensorSamples: AsyncSequence, Sendable {
 
     private init<S: AsyncSequence>(
         _ isLive: Bool, _ make: @escaping @Sendable () -> S,
-        _ append: @escaping @Sendable (inout [SensorSample], S.Element) -> Void
+        _ append: @escaping @Sendable (inout [SensorSample], S.Element) -> Void, _ listen: Listen? = nil
     ) {
-        self.isLive = isLive
+        (self.isLive, self.listen) = (isLive, listen)
         begin = {
             var iterator: S.AsyncIterator?
             func start() { iterator = iterator ?? make().makeAsyncIterator() }

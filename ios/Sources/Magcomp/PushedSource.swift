@@ -5,10 +5,8 @@ import Foundation
 ///
 /// Events go out in the order of their times, whichever sensor's are delivered late. What is pushed while nobody iterates is gone.
 public final class PushedSource: MagneticFieldSource {
-    private typealias Events = AsyncThrowingStream<[SensorSample], any Error>
-
     private struct State {
-        var listeners: [Int: Events.Continuation] = [:]
+        var listeners: [Int: SensorSamples.Listener] = [:]
         var number = 0
         var queue: EventQueue
     }
@@ -26,24 +24,25 @@ public final class PushedSource: MagneticFieldSource {
     public func push(_ events: [SensorSample]) {
         let (listeners, due) = state.change { state in (state.listeners.values, events.flatMap { state.queue.push($0) }) }
         if due.isEmpty { return }
-        for listener in listeners { listener.yield(due) }
+        for listener in listeners { listener.take(due) }
     }
 
+    /// How many iterate.
+    package var listeners: Int { state.change { $0.listeners.count } }
+
     public func samples() -> SensorSamples {
-        SensorSamples.batches { [state, holdS] in
-            Events { listener in
-                do { try SensorOptions.check(holdS: holdS, of: "PushedSource") } catch {
-                    listener.finish(throwing: error)
-                    return
-                }
-                let number = state.change { state in
-                    if state.listeners.isEmpty { state.queue = EventQueue(holdS: holdS) }
-                    state.number += 1
-                    state.listeners[state.number] = listener
-                    return state.number
-                }
-                listener.onTermination = { [state] _ in state.change { $0.listeners[number] = nil } }
+        SensorSamples.calls { [state, holdS] listener in
+            do { try SensorOptions.check(holdS: holdS, of: "PushedSource") } catch {
+                listener.end(error)
+                return {}
             }
+            let number = state.change { state in
+                if state.listeners.isEmpty { state.queue = EventQueue(holdS: holdS) }
+                state.number += 1
+                state.listeners[state.number] = listener
+                return state.number
+            }
+            return { [state] in state.change { $0.listeners[number] = nil } }
         }
     }
 }

@@ -79,6 +79,11 @@ final class Reader: Sendable {
             while let reading = rest.first, !waits || state.count < capacity {
                 rest.removeFirst()
                 let timeNs = reading.sample.timeNs
+                if reading.isSilent {
+                    (state.keptNs, state.early) = (nil, nil)
+                    state.keep(reading, capacity)
+                    continue
+                }
                 // the clock may have begun anew since, so either may be the later
                 if let rateHz, let keptNs = state.keptNs, abs(Double(timeNs) - Double(keptNs)) * rateHz < 1e9 {
                     state.early = reading

@@ -15,6 +15,8 @@ final class Readers: Sendable {
         var feeding: Task<Void, Never>?
         /// The run's latest reading.
         var latest: CompensatedReading?
+        /// Grows with every batch of readings, so that silence is noticed.
+        var heard = 0
         /// Whether the run's events come whether or not anybody is ready for them.
         var isLive = false
         /// How long the run goes on when nobody reads; a recording's ends at once.
@@ -29,20 +31,27 @@ final class Readers: Sendable {
     private let events: @Sendable () -> SensorSamples
     private let estimation: Estimation
     private let patienceS: Double
+    private let silenceS: Double
     private let state: Locked<State>
 
     /// - Parameters:
     ///   - graceS: how long sensors run on after the last reader has left, seconds
     ///   - patienceS: how long events that can wait do so for a reader that asks for nothing while others read, seconds; up to twice that
+    ///   - silenceS: after how long without a sample readers of a live source are told, seconds; up to a quarter later
     init(
-        of events: @escaping @Sendable () -> SensorSamples, by estimation: Estimation, graceS: Double, patienceS: Double = 5
+        of events: @escaping @Sendable () -> SensorSamples, by estimation: Estimation, graceS: Double, patienceS: Double = 5,
+        silenceS: Double = 2
     ) {
         (self.events, self.estimation, self.patienceS) = (events, estimation, patienceS)
+        self.silenceS = silenceS
         state = Locked(State(graceS: graceS))
     }
 
     /// The latest reading while events run.
-    var latest: CompensatedReading? { state.value.latest }
+    var latest: CompensatedReading? { state.change { $0.latest } }
+
+    /// Whether the latest run's events came whether or not anybody was ready for them.
+    var isLive: Bool { state.change { $0.isLive } }
 
     /// Nobody can begin to read any more.
     func endGrace() {
@@ -93,7 +102,7 @@ final class Readers: Sendable {
         // the app may end before the run does
         estimation.save()
         Task {
-            try await Task.sleep(nanoseconds: UInt64(min(grace.seconds, 1e9) * 1e9))
+            try await Task.sleep(for: .seconds(min(grace.seconds, 1e9)))
             state.change { $0.isIdle && $0.leaves == grace.leave ? Self.over(&$0) : nil }?.cancel()
         }
     }
@@ -122,33 +131,73 @@ final class Readers: Sendable {
     private func feedAll(_ run: Int) async throws {
         let events = events()
         state.change { if $0.run == run { $0.isLive = events.isLive } }
-        let watching = events.isLive ? nil : Task { try await watch(run) }
-        defer { watching?.cancel() }
+        let watching = Task { try await events.isLive ? watchForSilence(run) : watch(run) }
+        defer { watching.cancel() }
+        if let listen = events.listen { return try await Calls(listen, { [self] in try hear($0, &$1, of: run) }).ended() }
         let iterator = events.makeAsyncIterator()
         var batch: [SensorSample] = []
         var answers: [CompensatedReading] = []
         // not every sequence ends with its task
         while try await iterator.advance(&batch), !Task.isCancelled {
-            let pushed = Result { try estimation.push(batch, &answers) }
-            batch.removeAll(keepingCapacity: true)
-            if let latest = answers.last {
-                // sensors do not wait for a store, so neither do their readings
-                if !events.isLive { await estimation.settledIfTold() }
-                let readers = state.change { state in
-                    if state.run == run, state.running { state.latest = latest }
-                    return state.run == run ? state.ofRun : []
+            if events.isLive {
+                try hear(batch, &answers, of: run)
+            } else {
+                let pushed = Result { try estimation.push(batch, isLive: false, &answers) }
+                if !answers.isEmpty {
+                    // sensors do not wait for a store, so neither do their readings
+                    await estimation.settledIfTold()
+                    for reader in readers(of: run, latest: answers[answers.count - 1]) { await fill(reader, answers) }
+                    answers.removeAll(keepingCapacity: true)
                 }
-                for reader in readers { await fill(reader, answers, waits: !events.isLive) }
-                answers.removeAll(keepingCapacity: true)
+                try pushed.get()
             }
-            try pushed.get()
+            batch.removeAll(keepingCapacity: true)
         }
     }
 
-    /// Gives readings to a reader; those of events that can wait wait for its room, but where others read not for one that has stopped
-    /// asking.
-    private func fill(_ reader: Reader, _ answers: [CompensatedReading], waits: Bool) async {
-        var rest = reader.take(answers[...], waits: waits)
+    /// Takes events of a live source: nobody waits.
+    private func hear(_ events: [SensorSample], _ answers: inout [CompensatedReading], of run: Int) throws {
+        let pushed = Result { try estimation.push(events, isLive: true, &answers) }
+        if !answers.isEmpty {
+            for reader in readers(of: run, latest: answers[answers.count - 1]) {
+                _ = reader.take(answers[...], waits: false)
+            }
+            answers.removeAll(keepingCapacity: true)
+        }
+        try pushed.get()
+    }
+
+    /// Who gets the run's readings, the newest of which is noted.
+    private func readers(of run: Int, latest: CompensatedReading) -> [Reader] {
+        state.change { state in
+            if state.run == run, state.running { (state.latest, state.heard) = (latest, state.heard &+ 1) }
+            return state.run == run ? state.ofRun : []
+        }
+    }
+
+    /// Tells once when a live source has delivered no sample for too long, from the run's beginning on.
+    private func watchForSilence(_ run: Int) async throws {
+        let looks = 4
+        var (heard, quiet) = (state.change { $0.heard }, 0)
+        while true {
+            try await Task.sleep(for: .seconds(silenceS / Double(looks)))
+            let now = state.change { $0.heard }
+            (quiet, heard) = (now == heard ? quiet + 1 : 0, now)
+            guard quiet == looks else { continue }
+            let silent = estimation.silent(after: latest)
+            // one more sample may have come meanwhile: then nobody is silent
+            let readers = state.change { state -> [Reader] in
+                guard state.run == run, state.running, state.heard == heard else { return [] }
+                state.latest = silent
+                return state.ofRun
+            }
+            for reader in readers { _ = reader.take([silent], waits: false) }
+        }
+    }
+
+    /// Gives readings to a reader; they wait for its room, but where others read not for one that has stopped asking.
+    private func fill(_ reader: Reader, _ answers: [CompensatedReading]) async {
+        var rest = reader.take(answers[...], waits: true)
         while !rest.isEmpty {
             let isGivenUp = reader.hasStopped && state.value.ofRun.contains { $0.run == reader.run && $0 !== reader }
             if !isGivenUp { await reader.room() }
@@ -159,7 +208,7 @@ final class Readers: Sendable {
     /// Ends what waits for too long.
     private func watch(_ run: Int) async throws {
         while true {
-            try await Task.sleep(nanoseconds: UInt64(patienceS * 1e9))
+            try await Task.sleep(for: .seconds(patienceS))
             for reader in state.value.readers.values where reader.run == run { reader.losePatience() }
         }
     }
@@ -173,6 +222,72 @@ final class Readers: Sendable {
         }
         // outside the lock: this calls `remove`
         for reader in ended { reader.finish(error) }
+    }
+}
+
+/// The run of a source that calls: it lasts until the source ends, pushing fails, or the task is cancelled.
+private final class Calls: Sendable {
+    private struct State {
+        var stop: (@Sendable () -> Void)?
+        var waiting: CheckedContinuation<Void, any Error>?
+        var end: Result<Void, any Error>?
+    }
+
+    private let listen: SensorSamples.Listen
+    private let push: @Sendable ([SensorSample], inout [CompensatedReading]) throws -> Void
+    private let state = Locked(State())
+    /// Of one call at a time.
+    private let answers = Locked<[CompensatedReading]>([])
+
+    init(
+        _ listen: @escaping SensorSamples.Listen,
+        _ push: @escaping @Sendable ([SensorSample], inout [CompensatedReading]) throws -> Void
+    ) {
+        (self.listen, self.push) = (listen, push)
+    }
+
+    func ended() async throws {
+        // nothing is pushed after a run's end
+        defer { answers.change { _ in } }
+        try await withTaskCancellationHandler {
+            try await wait()
+        } onCancel: {
+            end(nil)
+        }
+    }
+
+    private func wait() async throws {
+        try await withCheckedThrowingContinuation { continuation in
+            let stop = listen(SensorSamples.Listener(take: { self.take($0) }, end: { self.end($0) }))
+            let end = state.change { state in
+                if state.end == nil { (state.stop, state.waiting) = (stop, continuation) }
+                return state.end
+            }
+            guard let end else { return }
+            stop()
+            continuation.resume(with: end)
+        }
+    }
+
+    private func take(_ events: [SensorSample]) {
+        do {
+            try answers.change { answers in
+                if state.change({ $0.end == nil }) { try push(events, &answers) }
+            }
+        } catch {
+            end(error)
+        }
+    }
+
+    private func end(_ error: (any Error)?) {
+        let (stop, waiting, end) = state.change { state in
+            let end = state.end ?? error.map { .failure($0) } ?? .success(())
+            defer { (state.end, state.stop, state.waiting) = (end, nil, nil) }
+            return (state.stop, state.waiting, end)
+        }
+        // outside the lock: a source may do anything when it is told to end
+        stop?()
+        waiting?.resume(with: end)
     }
 }
 

@@ -18,11 +18,15 @@ extension RecordingSourceError: LocalizedError {
     }
 }
 
-/// A recording as CSV, as `magcomp import` and `recorded(to:)` write it, for tests and demos:
+/// A recording as CSV, as `magcomp import` and ``Compass/record(to:mostBytes:)`` write it, for tests, demos and bug reports:
 /// `t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz][,sys_mx,sys_my,sys_mz][,course_deg,course_sigma_deg]` in any order, seconds, microtesla, m/s^2
-/// (pointing up at rest), rad/s, the system's own field in microtesla, degrees from true north; other columns are ignored. Of a
-/// sensor there are all columns or none, and a row leaves all its cells empty where the sensor said nothing at that time. Every row is a
-/// gyroscope event, an `up` event, one of the system's field, a course and a magnetometer event, in this order, as far as it has them.
+/// (pointing up at rest), rad/s, the system's own field in microtesla, degrees from true north; what a compass's own recording has beside
+/// these stands in docs/dev/RECORDING_FILE.md, and other columns are ignored. Of a sensor there are all columns or none, and a row leaves
+/// all its cells empty where the sensor said nothing at that time. A row's help from outside is told first, then gyroscope, `up`, the
+/// system's field and the magnetometer, as far as it has them.
+///
+/// The recording of a compass plays as it was, reading for reading, in a compass with the same config and without a store: it sets the
+/// compass's frame, takes over the calibration that the recorded one took over, and forgets where that forgot.
 ///
 /// Rows wait for whoever reads them, so none of their readings is dropped. Iterating throws ``RecordingSourceError`` where the
 /// recording is not in order.
@@ -82,8 +86,7 @@ protocol PlayingClock: Sendable {
 struct SystemClock: PlayingClock {
     var nowNs: Int64 { Int64(DispatchTime.now().uptimeNanoseconds) }
 
-    // not by a deadline, which iOS 15 lacks
-    func sleep(forNs ns: Int64) async throws { try await Task.sleep(nanoseconds: UInt64(ns)) }
+    func sleep(forNs ns: Int64) async throws { try await Task.sleep(for: .nanoseconds(ns)) }
 }
 
 /// When a row is due.
@@ -126,6 +129,14 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
     private static let gzip: [UInt8] = [0x1f, 0x8b]
     private static let time = ["t_s"], magnetic = ["mx", "my", "mz"], up = ["ax", "ay", "az"], rate = ["gx", "gy", "gz"]
     private static let system = ["sys_mx", "sys_my", "sys_mz"], course = ["course_deg", "course_sigma_deg"]
+    private static let pose = ["pose_w", "pose_x", "pose_y", "pose_z"], kept = ["kept", "unix_s"]
+    private static let frame = ["axis", "screen_deg", "declination_deg"],
+        reported = ["reported_bx", "reported_by", "reported_bz"]
+    /// Those that stand alone.
+    private static let single = [
+        "own_t_s", "sys_accuracy", "course_north", "course_of", "pose_yaw_sigma_deg", "pose_north", "slept_s", "reset",
+        "run",
+    ]
 
     let name: String
     let open: @Sendable () throws -> Data
@@ -182,7 +193,11 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
         for column in ["t_s"] + Self.magnetic where columns[column] == nil {
             throw wrong(column, "the column is missing")
         }
-        for group in [Self.time, Self.magnetic, Self.up, Self.rate, Self.system, Self.course] {
+        let groups = [
+            Self.time, Self.magnetic, Self.up, Self.rate, Self.system, Self.course, Self.pose, Self.kept, Self.frame,
+            Self.reported,
+        ]
+        for group in groups + Self.single.map({ [$0] }) {
             for column in group where names.count(where: { $0 == column }) > 1 {
                 throw wrong(column, "the column is there twice")
             }
@@ -203,27 +218,52 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
     private func read(_ text: String, _ events: inout [SensorSample]) throws {
         let cells = cells(text)
         guard cells.count == width else { throw wrong(nil, "\(cells.count) cells, expected \(width)") }
-        let time = try number("t_s", cells)
-        guard let timeNs = Int64(exactly: (time * 1e9).rounded()) else {
-            throw wrong("t_s", "the time is no number of seconds that fits 64 bits of nanoseconds")
-        }
+        let rowNs = try time("t_s", cells)
+        let timeNs = self.text("own_t_s", cells) == nil ? rowNs : try time("own_t_s", cells)
         var row: [SensorSample] = []
+        func note(_ what: RecordedNote.What) { row.append(.note(RecordedNote(timeNs: rowNs, what: what))) }
+        if self.text("reset", cells) != nil { note(.reset) }
+        if let kept = self.text("kept", cells) { note(.kept(text: kept, unixTimeS: try whole("unix_s", cells))) }
+        if self.text("run", cells) != nil { note(.run) }
+        // what a recording of a compass has was told to it; of others the app says whose courses they are
+        if let course = try numbers(Self.course, cells),
+            let headed = try self.text("course_of", cells).map({ try axis($0) }) ?? courses
+        {
+            let sample = HeadingSample(
+                timeNs: timeNs, headingDeg: course[0], sigmaDeg: course[1],
+                reference: try north("course_north", cells) ?? .true, axis: headed)
+            row.append(.heading(sample))
+        }
+        if let pose = try numbers(Self.pose, cells) {
+            let isKnown = self.text("pose_yaw_sigma_deg", cells) != nil
+            let yaw: WorldYaw =
+                isKnown
+                ? .absolute(
+                    sigmaDeg: try number("pose_yaw_sigma_deg", cells), reference: try north("pose_north", cells) ?? .true)
+                : .relative
+            row.append(.attitude(AttitudeSample(timeNs: timeNs, w: pose[0], x: pose[1], y: pose[2], z: pose[3], yaw: yaw)))
+        }
         if let rate = try vector(Self.rate, cells) {
             row.append(.rotationRate(RotationRateSample(timeNs: timeNs, rateRadS: rate)))
         }
         if let up = try vector(Self.up, cells) { row.append(.up(UpSample(timeNs: timeNs, upMS2: up))) }
         if let field = try vector(Self.system, cells) {
-            // a recording does not say how sure the system was, so nothing begins with it
-            row.append(.systemField(SystemFieldSample(timeNs: timeNs, fieldUt: field, accuracy: .uncalibrated)))
+            // nothing begins with a field of which the recording does not say how sure the system was
+            let accuracy = try one(of: SystemFieldSample.Accuracy.ofCells, "sys_accuracy", cells) ?? .uncalibrated
+            row.append(.systemField(SystemFieldSample(timeNs: timeNs, fieldUt: field, accuracy: accuracy)))
         }
-        if let headed = courses, let course = try numbers(Self.course, cells) {
-            row.append(
-                .heading(
-                    HeadingSample(
-                        timeNs: timeNs, headingDeg: course[0], sigmaDeg: course[1], reference: .true, axis: headed)))
+        if self.text("slept_s", cells) != nil { note(.slept(seconds: try number("slept_s", cells))) }
+        if let axis = try one(of: ReferenceAxis.ofCells, "axis", cells) {
+            let rotation = try one(of: ScreenRotation.ofCells, "screen_deg", cells) ?? .deg0
+            let declinationDeg = try number("declination_deg", cells)
+            note(
+                .frame(
+                    HeadingFrame(
+                        axis: axis, screenRotation: rotation, declinationDeg: declinationDeg.isNaN ? nil : declinationDeg)))
         }
         if let field = try vector(Self.magnetic, cells) {
-            row.append(.magnetic(MagneticSample(timeNs: timeNs, fieldUt: field)))
+            let reported = try vector(Self.reported, cells)
+            row.append(.magnetic(MagneticSample(timeNs: timeNs, fieldUt: field, reportedHardIronUt: reported)))
         }
         events += row
     }
@@ -238,6 +278,54 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
         return try names.map { try number($0, cells) }
     }
 
+    /// Nanoseconds, with all the digits there are: seconds as a number would lose some after a hundred days.
+    private func time(_ column: String, _ cells: [String]) throws -> Int64 {
+        let parts = cells[columns[column]!].split(separator: ".", omittingEmptySubsequences: false)
+        if parts.count == 2, parts[1].count <= 9, parts[1].allSatisfy(\.isWholeNumber), let whole = Int64(parts[0]),
+            let part = Int64(parts[1] + String(repeating: "0", count: 9 - parts[1].count))
+        {
+            let (scaled, over) = whole.multipliedReportingOverflow(by: 1_000_000_000)
+            let (timeNs, over2) = scaled.addingReportingOverflow(parts[0].hasPrefix("-") ? -part : part)
+            if !over, !over2 { return timeNs }
+        }
+        guard let timeNs = nanoseconds(try number(column, cells)) else {
+            throw wrong(column, "the time is no number of seconds that fits 64 bits of nanoseconds")
+        }
+        return timeNs
+    }
+
+    /// A cell that says something.
+    private func text(_ column: String, _ cells: [String]) -> String? {
+        columns[column].flatMap { cells[$0].isEmpty ? nil : cells[$0] }
+    }
+
+    private func whole(_ column: String, _ cells: [String]) throws -> Int64 {
+        guard let value = Int64(cells[columns[column]!]) else {
+            throw wrong(column, "'\(cells[columns[column]!])' is no whole number")
+        }
+        return value
+    }
+
+    /// Nil for an empty cell.
+    private func one<Value>(of values: [String: Value], _ column: String, _ cells: [String]) throws -> Value? {
+        guard let text = text(column, cells) else { return nil }
+        guard let value = values[text] else {
+            throw wrong(column, "'\(text)' is none of \(values.keys.sorted().joined(separator: ", "))")
+        }
+        return value
+    }
+
+    private func north(_ column: String, _ cells: [String]) throws -> NorthReference? {
+        try one(of: ["true": .true, "magnetic": .magnetic], column, cells)
+    }
+
+    private func axis(_ text: String) throws -> HeadedAxis {
+        guard let axis = HeadedAxis(cell: text) else {
+            throw wrong("course_of", "'\(text)' is neither vehicle nor three numbers")
+        }
+        return axis
+    }
+
     private func number(_ column: String, _ cells: [String]) throws -> Double {
         let text = cells[columns[column]!]
         guard let value = Double(text) else {
@@ -247,8 +335,36 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
         return value
     }
 
+    /// A cell in quotes may have commas; two quotes in it are one.
     private func cells(_ text: String) -> [String] {
-        text.split(separator: ",", omittingEmptySubsequences: false).map { $0.trimmingCharacters(in: .whitespaces) }
+        guard text.utf8.contains(UInt8(ascii: "\"")) else {
+            return text.split(separator: ",", omittingEmptySubsequences: false).map {
+                $0.trimmingCharacters(in: .whitespaces)
+            }
+        }
+        var cells: [String] = []
+        var rest = text[...]
+        while true {
+            let end: Substring.Index
+            if rest.first == "\"" {
+                var cell = ""
+                rest.removeFirst()
+                while let quote = rest.firstIndex(of: "\"") {
+                    cell += rest[..<quote]
+                    rest = rest[rest.index(after: quote)...]
+                    guard rest.first == "\"" else { break }
+                    cell.append("\"")
+                    rest.removeFirst()
+                }
+                end = rest.firstIndex(of: ",") ?? rest.endIndex
+                cells.append(cell)
+            } else {
+                end = rest.firstIndex(of: ",") ?? rest.endIndex
+                cells.append(rest[..<end].trimmingCharacters(in: .whitespaces))
+            }
+            if end == rest.endIndex { return cells }
+            rest = rest[rest.index(after: end)...]
+        }
     }
 
     private func wrong(_ column: String?, _ problem: String) -> RecordingSourceError {

@@ -55,6 +55,9 @@ struct WorldTurn {
         return latest
     }
 
+    /// What was known of the device's turns is old.
+    mutating func forgetAttitudes() { (attitudes, latest) = ([], nil) }
+
     mutating func see(_ pose: AttitudeSample) {
         poses = poses.suffix(Self.waiting - 1) + [pose]
         resolve()

@@ -25,7 +25,7 @@ func keep(_ events: [SensorSample]) {
         case .magnetic(let s): magcomp_test_bare_add(0, s.timeNs, s.fieldUt.x, s.fieldUt.y, s.fieldUt.z)
         case .rotationRate(let s): magcomp_test_bare_add(1, s.timeNs, s.rateRadS.x, s.rateRadS.y, s.rateRadS.z)
         case .up(let s): magcomp_test_bare_add(2, s.timeNs, s.upMS2.x, s.upMS2.y, s.upMS2.z)
-        case .systemField, .heading: break
+        case .systemField, .heading, .attitude, .note: break
         }
     }
 }
@@ -52,7 +52,7 @@ var seen = 0.0
             case .magnetic(let sample): seen += try native.push(sample: sample).coverage
             case .rotationRate(let sample): try? native.pushRotationRate(sample: sample)
             case .up(let sample): try? native.pushUp(sample: sample)
-            case .systemField, .heading: break
+            case .systemField, .heading, .attitude, .note: break
             }
         }
     }
@@ -142,28 +142,37 @@ func read(_ source: any MagneticFieldSource) async throws -> Double {
     return sum
 }
 
-/// Live, as a phone's sensors are.
-struct Pushed: MagneticFieldSource {
-    private let events: AsyncStream<[SensorSample]>
-    private let listener: AsyncStream<[SensorSample]>.Continuation
-
-    init() { (events, listener) = AsyncStream.makeStream() }
-
-    func push(_ row: [SensorSample]) { listener.yield(row) }
-
-    func samples() -> SensorSamples { .batches { [events] in events } }
-}
-
-/// As a phone does: a sample with its events comes when the reading of the one before has been seen.
+/// As a phone does: gyroscope and gravity come, then the sample; the next come when the reading has been seen.
 func pushAndRead(_ rows: [[SensorSample]]) async throws -> Double {
-    let source = Pushed()
+    let source = PushedSource()
     var sum = 0.0
     var readings = Compass(source: source, graceS: 0).readings().makeAsyncIterator()
+    readings.start()
+    while source.listeners == 0 { await Task.yield() }
     for row in rows {
-        source.push(row)
+        source.push(Array(row.dropLast()))
+        source.push(Array(row.suffix(1)))
         sum += try await readings.next()?.headingDeg ?? 0
     }
     return sum
+}
+
+/// The same for a screen, which shows 60 a second: the next sample comes when the main actor is free again. Without a model it is what
+/// the benchmark itself costs.
+func pushAndShow(_ rows: [[SensorSample]], isShown: Bool) async throws -> Double {
+    let source = PushedSource()
+    let model = await CompassModel(compass: Compass(source: source, graceS: 0))
+    let running = isShown ? Task { await model.run() } : nil
+    while isShown, source.listeners == 0 { await Task.yield() }
+    for row in rows {
+        source.push(Array(row.dropLast()))
+        source.push(Array(row.suffix(1)))
+        await MainActor.run {}
+    }
+    let heading = await model.headingDeg ?? 0
+    running?.cancel()
+    await running?.value
+    return heading
 }
 
 func model(_ source: any MagneticFieldSource) async -> Double {
@@ -182,13 +191,21 @@ let ways: [(name: String, run: @MainActor () async throws -> Double)] = [
     ),
     ("the same, on the main actor", { try await read(Together(batches: together)) }),
     (
-        "readings(), a sample when one is read",
+        "readings(), as a phone",
         { try await Task.detached { [ofSamples] in try await pushAndRead(ofSamples) }.value }
     ),
     ("readings(), event by event", { try await Task.detached { [all] in try await read(OneByOne(events: all)) }.value }),
     ("the same, on the main actor", { try await read(OneByOne(events: all)) }),
     ("CompassModel.run(), 32 rows at once", { await model(Together(batches: together)) }),
     ("CompassModel.run(), event by event", { await model(OneByOne(events: all)) }),
+    (
+        "CompassModel.run(), as a phone",
+        { try await Task.detached { [ofSamples] in try await pushAndShow(ofSamples, isShown: true) }.value }
+    ),
+    (
+        "of that the benchmark's own",
+        { try await Task.detached { [ofSamples] in try await pushAndShow(ofSamples, isShown: false) }.value }
+    ),
 ]
 var costs = Array(repeating: [Double](), count: ways.count)
 for round in 0..<13 {

@@ -4,7 +4,7 @@ import PackageDescription
 
 let package = Package(
     name: "Consumer",
-    platforms: [.macOS(.v12)],
+    platforms: [.macOS(.v14)],
     dependencies: [.package(name: "magcomp", path: "../../..")],
     targets: [
         .target(name: "Other", path: "Other"),

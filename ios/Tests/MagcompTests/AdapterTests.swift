@@ -5,7 +5,7 @@ import FerrostarAdapter
 import FerrostarCore
 import FerrostarCoreFFI
 import Foundation
-import Magcomp
+@testable import Magcomp
 import MapLibre
 import MapLibreAdapter
 import Testing
@@ -88,6 +88,31 @@ private struct BrokenSource: MagneticFieldSource {
         #expect(!provider.isUpdating && map.errors.isEmpty)
     }
 
+    /// An arrow that stays where the compass knows nothing would be a wrong number.
+    @Test(arguments: [true, false]) func aHeadingThatIsLostIsTold(isStopped: Bool) async throws {
+        let source = Live()
+        let compass = Compass(source: source, graceS: 0, silenceS: 0.2)
+        try compass.setDeclinationDeg(0)
+        let adapter = CompassLocationProvider(locations: provider, compass: compass)
+        adapter.delegate = map
+        adapter.startUpdating()
+        try await source.started(1)
+        source.play(tumbling(600))
+        try await eventually { adapter.lastHeading != nil }
+        if isStopped { adapter.stopUpdating() }
+        try await eventually { adapter.lastHeading == nil }
+        #expect(map.headings.last?.accuracy == 180)
+        let count = map.headings.count
+        if isStopped { adapter.startUpdating() }
+        try await source.started(isStopped ? 2 : 1)
+        source.play((600..<620).flatMap { flat($0) })
+        try await eventually { adapter.lastHeading != nil }
+        #expect(map.headings.count > count && map.headings.last == adapter.lastHeading)
+        source.finish(Broken())
+        try await eventually { map.errors.count == 1 }
+        #expect(adapter.lastHeading == nil && map.headings.last?.accuracy == 180)
+    }
+
     @Test func withoutAPlaceThereIsNoHeadingAndErrorsArrive() async throws {
         let compass = Compass(source: BrokenSource())
         let adapter = CompassLocationProvider(locations: provider, compass: compass)
@@ -143,6 +168,33 @@ private struct BrokenSource: MagneticFieldSource {
         locations.delegate?.locationManagerDidChangeAuthorization(locations)
         locations.delegate?.locationManager(locations, didFailWithError: Broken())
         #expect(map.changes == 1 && map.errors.count == 1)
+    }
+
+    @Test(arguments: [true, false]) func aHeadingThatIsLostIsToldOnceByANegativeAccuracy(isStopped: Bool) async throws {
+        let source = Live()
+        let compass = Compass(source: source, graceS: 0, silenceS: 0.2)
+        let adapter = CompassLocationManager(compass, locations: locations)
+        adapter.delegate = map
+        adapter.startUpdatingHeading()
+        try await source.started(1)
+        // nothing is known at first
+        source.play(tumbling(1))
+        try await eventually { map.headings.count == 1 }
+        source.play(tumbling(600).dropFirst(2))
+        try await eventually { (map.headings.last?.headingAccuracy ?? -1) > 0 }
+        if isStopped { adapter.stopUpdatingHeading() }
+        try await eventually { map.headings.last?.headingAccuracy == -1 }
+        let lost = try #require(map.headings.last)
+        #expect(lost.magneticHeading == -1 && lost.trueHeading == -1 && abs(lost.timestamp.timeIntervalSinceNow) < 1e7)
+        let count = map.headings.filter { $0.headingAccuracy == -1 }.count
+        #expect(count == 2)
+        if isStopped { adapter.startUpdatingHeading() }
+        try await source.started(isStopped ? 2 : 1)
+        source.play((600..<620).flatMap { flat($0) })
+        try await eventually { (map.headings.last?.headingAccuracy ?? -1) > 0 }
+        source.finish(Broken())
+        try await eventually { map.errors.count == 1 }
+        #expect(map.headings.last?.headingAccuracy == -1)
     }
 
     @Test func theMapTellsHowTheDeviceIsHeld() {

@@ -54,7 +54,7 @@ import Testing
         let reading = CompensatedReading(
             reading: MagneticReading(status: .tracking),
             sample: MagneticSample(timeNs: 99_750_000_000, fieldUt: DeviceVector(x: 0, y: 0, z: 0)))
-        #expect(reading.timestamp(now: now, uptimeS: 100) == fix)
+        #expect(CompensatedReading.date(of: reading.sample, now: now, uptimeS: 100) == fix)
         func timeNs(_ seconds: Double) -> Int64 {
             HeadingSample.timeNs(of: Date(timeIntervalSinceReferenceDate: seconds), now: now, uptimeS: 100)
         }
@@ -79,7 +79,7 @@ import Testing
                     timeNs: 1, headingDeg: headingDeg, sigmaDeg: sigmaDeg, reference: .magnetic, axis: axis)
                 try core.reset()
                 let told = Result { try core.pushHeading(sample) }.failure
-                #expect(Result { try compass.aid(sample) }.failure == told, "\(sample)")
+                #expect(Result { try compass.aid(with: sample) }.failure == told, "\(sample)")
             }
         }
         for (w, yaw) in [
@@ -89,7 +89,7 @@ import Testing
             let sample = AttitudeSample(timeNs: 1, w: w, x: 0, y: 0, z: 0, yaw: yaw)
             try core.reset()
             let told = Result { try core.pushAttitude(sample) }.failure
-            #expect(Result { try compass.aid(sample) }.failure == told, "\(sample)")
+            #expect(Result { try compass.aid(with: sample) }.failure == told, "\(sample)")
         }
     }
 
@@ -118,9 +118,9 @@ import Testing
             let pose = AttitudeSample(
                 timeNs: answer.reading.timeNs, w: cos(half), x: 0, y: 0, z: sin(half),
                 yaw: .absolute(sigmaDeg: 1, reference: .magnetic))
-            if try compass.aid(pose) { taken += 1 }
+            if try compass.aid(with: pose) { taken += 1 }
             // the same once more comes too late
-            #expect(try !compass.aid(pose))
+            #expect(try !compass.aid(with: pose))
         }
         #expect(taken == 30)
         let reading = try #require(latest)
@@ -147,9 +147,9 @@ import Testing
             let defect = MagcompError.panicked(what: "on purpose")
             #expect(magcomp_test_panic(try #require(compass.fastHandle)) == Int32(MAGCOMP_PANICKED))
             #expect(throws: defect) {
-                if isAsked { _ = try compass.foundDeclination() } else { try compass.aid(pose) }
+                if isAsked { _ = try compass.foundDeclination() } else { try compass.aid(with: pose) }
             }
-            #expect(try !compass.aid(pose), "there is nothing to help")
+            #expect(try !compass.aid(with: pose), "there is nothing to help")
             #expect(try compass.foundDeclination() == nil)
         }
         let task = reader(compass, seen)

@@ -6,7 +6,7 @@ import Testing
 @Suite @MainActor struct CompassModelTests {
     @Test func showsWhatTheReadingsSay() async throws {
         let events = tumbling(600)
-        let model = CompassModel(compass: Compass(source: Played(events: events)))
+        let model = CompassModel(compass: Compass(source: Played(events: events, isLive: false)))
         #expect(model.headingDeg == nil && model.headingSigmaDeg == 180 && model.status == "starting")
         await model.run()
         // its axis is automatic
@@ -21,7 +21,7 @@ import Testing
     }
 
     @Test func showsAllThatAReadingHas() async throws {
-        let compass = Compass(source: Played(events: tumbling(600) + flat(600)))
+        let compass = Compass(source: Played(events: tumbling(600) + flat(600), isLive: false))
         try compass.setDeclinationDeg(7)
         let model = CompassModel(compass: compass)
         await model.run()
@@ -205,19 +205,8 @@ import Testing
         #expect(abs((heading - true_).remainder(dividingBy: 360)) < 5)
     }
 
-    @Test func theTwinForOlderSystemsShowsTheSame() async {
-        let compass = Compass(source: Played(events: everything, isLive: false))
-        let object = CompassObject(compass: compass)
-        #expect(object.state == CompassState())
-        await object.run()
-        let model = CompassModel(compass: Compass(source: Played(events: everything, isLive: false)))
-        await model.run()
-        #expect(object.state.reading == model.reading && object.state.headingDeg == model.headingDeg)
-        #expect(object.state.status == "tracking")
-    }
-
     @Test func saysWhatToDoWhileItCollects() async {
-        let model = CompassModel(compass: Compass(source: Played(events: Array(tumbling(10)))))
+        let model = CompassModel(compass: Compass(source: Played(events: Array(tumbling(10)), isLive: false)))
         await model.run()
         #expect(model.status.hasPrefix("collecting: ") && model.status.contains("of 16 samples"))
         #expect(model.guidance == "Pick the phone up and turn it.")
@@ -317,7 +306,8 @@ import Testing
         let model = CompassModel(
             compass: Compass(
                 source: Runs(samplesOfRuns: [
-                    Played(events: everything).samples(), Self.failing(), Self.failing(after: everything), Self.failing(),
+                    Played(events: everything, isLive: false).samples(), Self.failing(), Self.failing(after: everything),
+                    Self.failing(),
                 ])))
         await model.run()
         #expect(model.headingDeg != nil && model.totalFieldUt != nil && model.systemField != nil && model.coverage > 0)
@@ -335,12 +325,12 @@ import Testing
         let model = CompassModel(
             compass: Compass(
                 source: Runs(samplesOfRuns: [
-                    Self.failing(after: everything), Played(events: everything).samples(),
+                    Self.failing(after: everything), Played(events: everything, isLive: false).samples(),
                 ])))
         let young = CompassModel(
             compass: Compass(
                 source: Runs(samplesOfRuns: [
-                    Self.failing(after: tumbling(1)), Played(events: Array(tumbling(2)[2...])).samples(),
+                    Self.failing(after: tumbling(1)), Played(events: Array(tumbling(2)[2...]), isLive: false).samples(),
                 ])))
         await model.run()
         #expect(model.error != nil)
@@ -356,7 +346,8 @@ import Testing
     @Test func aRunBeginsWithNothingOfTheOneBefore() async throws {
         let (silent, continuation) = AsyncStream.makeStream(of: SensorSample.self)
         let source = Runs(samplesOfRuns: [
-            Played(events: everything).samples(), SensorSamples { silent }, Self.failing(), SensorSamples { silent },
+            Played(events: everything, isLive: false).samples(), SensorSamples { silent }, Self.failing(),
+            SensorSamples { silent },
         ])
         let model = CompassModel(compass: Compass(source: source))
         for run in [2, 4] {

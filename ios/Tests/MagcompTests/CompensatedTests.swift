@@ -177,7 +177,21 @@ import Testing
         let sample = MagneticSample(timeNs: 99_750_000_000, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
         let reading = CompensatedReading(reading: MagneticReading(status: .tracking), sample: sample)
         let now = Date(timeIntervalSince1970: 1_000_000)
-        #expect(reading.timestamp(now: now, uptimeS: 100).timeIntervalSince1970 == 999_999.75)
+        #expect(CompensatedReading.date(of: reading.sample, now: now, uptimeS: 100).timeIntervalSince1970 == 999_999.75)
+    }
+
+    /// A fact: however late it is asked for it is the same. A recording's times are not the device's.
+    @Test func theDateIsThatOfTheSamplesComing() async throws {
+        let uptimeNs = Int64(ProcessInfo.processInfo.systemUptime * 1e9)
+        let event = SensorSample.magnetic(MagneticSample(timeNs: uptimeNs, fieldUt: DeviceVector(x: 1, y: 2, z: 3)))
+        let begin = Date()
+        let live = try await Compass(source: Played(events: [event])).readings().collected()
+        let date = try #require(live[0].timestamp)
+        #expect(abs(date.timeIntervalSince(begin)) < 60)
+        try await Task.sleep(for: .milliseconds(20))
+        #expect(live[0].timestamp == date && live[0] == live[0])
+        let played = try await Compass(source: Played(events: [event], isLive: false)).readings().collected()
+        #expect(played[0].timestamp == nil && played[0].reading == live[0].reading)
     }
 
     @Test func readingsCanBeMadeAndCoded() throws {
@@ -202,18 +216,29 @@ import Testing
     @Test func theScreenMayTurnWhileReadingsCome() async throws {
         let half = events.count / 2
         // at last it lies flat: a turned screen is a turned heading
-        let (events, frame) = (events + flat(1500), Shared(HeadingFrame(axis: .topEdge, screenRotation: .deg0)))
-        let turning = SensorSamples {
-            AsyncStream(unfolding: { [count = Shared(0)] in
-                let k = count.value
-                count.change { $0 += 1 }
-                if k == half {
-                    frame.change { $0 = HeadingFrame(axis: .topEdge, screenRotation: .deg90, declinationDeg: 3) }
+        let events = events + flat(1500)
+        let turned = HeadingFrame(axis: .topEdge, screenRotation: .deg90, declinationDeg: 3)
+        struct Turning: MagneticFieldSource {
+            let events: [SensorSample]
+            let turn: @Sendable (Int) -> Void
+
+            func samples() -> SensorSamples {
+                SensorSamples(isLive: false) { [events, turn] in
+                    AsyncStream(unfolding: { [count = Shared(0)] in
+                        let k = count.value
+                        count.change { $0 += 1 }
+                        turn(k)
+                        return k < events.count ? events[k] : nil
+                    })
                 }
-                return k < events.count ? events[k] : nil
-            })
+            }
         }
-        let readings = try await turning.compensated(capacity: 1501) { frame.value }.collected().map(\.reading)
+        let made = Shared<Compass?>(nil)
+        let source = Turning(events: events) { if $0 == half { try? made.value?.setFrame(turned) } }
+        let config = CompensationConfig(heading: HeadingConfig(axis: .topEdge))
+        let compass = Compass(source: source, config: config)
+        made.change { $0 = compass }
+        let readings = try await compass.readings().collected().map(\.reading)
         let still = try Compensator(config: CompensationConfig(heading: HeadingConfig(axis: .topEdge))).pushAll(events)
         #expect(Array(readings[..<(half / 2)]) == Array(still[..<(half / 2)]))
         let (before, after) = (try #require(still.last?.heading), try #require(readings.last?.heading))

@@ -126,7 +126,7 @@ import Testing
         }
         #expect(made.value == 1, "and then one")
         // as an app writes it
-        #expect(CompassModel().reading == nil && CompassObject().state == CompassState())
+        #expect(CompassModel().reading == nil)
     }
 
     @Test func iteratorsThatAreDroppedAtOnceStartNothing() async throws {
@@ -144,6 +144,55 @@ import Testing
             for k in 1...20_000 { manager.magnetometer(at: Double(k), 1, 2, 3) }
         }
         #expect(samples.map(\.timeNs) == (1...20_000).map { Int64($0) * 1_000_000_000 })
+    }
+
+    /// An app's own manager, with the defaults that apps get: a first heading by iOS's field, five seconds' grace, and what was learned is
+    /// there at the next launch.
+    @Test func aCompassWithTheAppsManagerKeepsWhatItLearned() async throws {
+        let defaults = UserDefaults.standard, key = "org.magcomp.calibration"
+        let before = defaults.string(forKey: key)
+        defer { before.map { defaults.set($0, forKey: key) } ?? defaults.removeObject(forKey: key) }
+        defaults.removeObject(forKey: key)
+        nonisolated(unsafe) let app = manager
+        func play(_ samples: Range<Int>) {
+            for event in tumbling(samples.upperBound).suffix(2 * samples.count) {
+                let timeS = Double(event.timeNs) * 1e-9
+                switch event {
+                case .up(let sample):
+                    let g = sample.upMS2
+                    manager.deviceMotion(at: timeS, gravity: (-g.x / 9.80665, -g.y / 9.80665, -g.z / 9.80665))
+                case .magnetic(let sample):
+                    manager.magnetometer(at: timeS, sample.fieldUt.x, sample.fieldUt.y, sample.fieldUt.z)
+                default: break
+                }
+            }
+        }
+        do {
+            let compass = Compass(manager: app)
+            let seen = Shared<[CompensatedReading]>([])
+            let first = reader(compass, seen)
+            try await eventually { manager.isMagnetometerActive }
+            #expect(manager.frame == .xArbitraryCorrectedZVertical)
+            play(0..<900)
+            try await eventually { seen.value.count >= 890 }
+            first.cancel()
+            try await first.value
+            // nobody reads, and the sensors run on
+            #expect(manager.isMagnetometerActive && seen.value.last?.headingDeg != nil)
+            await compass.settled()
+        }
+        #expect(defaults.string(forKey: key)?.contains("magcomp_calibration") == true)
+        // it is gone, and its sensors with it
+        try await eventually { !manager.isMagnetometerActive }
+        let next = Compass(manager: app)
+        let again = Shared<[CompensatedReading]>([])
+        let second = reader(next, again)
+        try await eventually { manager.isMagnetometerActive }
+        play(900..<930)
+        try await eventually { !again.value.isEmpty }
+        #expect(again.value[0].reading.fieldUt != nil, "it is known from the first sample on")
+        second.cancel()
+        try await second.value
     }
 
     @Test func theOneLiner() async throws {

@@ -28,7 +28,7 @@ import Testing
         case .rotationRate(let sample): Int(sample.rateRadS.x)
         case .up(let sample): Int(sample.upMS2.x)
         case .magnetic(let sample): Int(sample.fieldUt.x)
-        case .systemField, .heading: -1
+        case .systemField, .heading, .attitude, .note: -1
         }
     }
 

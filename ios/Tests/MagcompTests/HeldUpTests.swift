@@ -26,7 +26,8 @@ import Testing
     @Test func nothingWaitsForAStoreThatLoads() async throws {
         let heading = HeadingSample(timeNs: 1, headingDeg: 1, sigmaDeg: 1, reference: .true, axis: .vehicle)
         let calls: [@Sendable (Compass) throws -> Void] = [
-            { $0.reset() }, { _ = try $0.foundDeclination() }, { compass in _ = try compass.aid(heading) }, { $0.save() },
+            { $0.reset() }, { _ = try $0.foundDeclination() }, { compass in _ = try compass.aid(with: heading) },
+            { $0.save() },
             { try $0.setDeclinationDeg(1) },
         ]
         for call in calls {

@@ -58,9 +58,63 @@ import Testing
         #expect(try await other.next()?.timeNs == 5_000_000)
     }
 
+    /// A second reader, once the first has left: nothing of the first's is left, and the order begins anew.
+    @Test func whoHasLeftGetsNothingAndTheNextBeginsAnew() async throws {
+        let source = PushedSource()
+        func up(_ timeNs: Int64) -> SensorSample { .up(UpSample(timeNs: timeNs, upMS2: DeviceVector(x: 0, y: 0, z: 9.8))) }
+        let (first, second) = (Shared<[Int64]>([]), Shared<[Int64]>([]))
+        func read(_ seen: Shared<[Int64]>) -> Task<Void, any Error> {
+            let iterator = source.samples().makeAsyncIterator()
+            iterator.start()
+            return Task {
+                var iterator = iterator
+                while let event = try await iterator.next() { seen.change { $0.append(event.timeNs) } }
+            }
+        }
+        let one = read(first)
+        source.push([up(1_000_000_000), up(1_010_000_000), up(2_000_000_000)])
+        try await eventually { first.value.count == 2 }
+        one.cancel()
+        try await one.value
+        try await eventually { source.listeners == 0 }
+        // the one that waited is the first's, and is gone with it
+        let two = read(second)
+        #expect(source.listeners == 1)
+        source.push([up(3_000_000_000), up(3_010_000_000), up(4_000_000_000)])
+        try await eventually { second.value.count == 2 }
+        #expect(second.value == [3_000_000_000, 3_010_000_000] && first.value == [1_000_000_000, 1_010_000_000])
+        two.cancel()
+        try await two.value
+    }
+
+    /// An estimator is pushed where the events come: as a recording's, reading for reading, and to its end.
+    @Test func aCompassReadsItAsItReadsARecording() async throws {
+        let source = PushedSource(holdS: 0)
+        let compass = Compass(source: source, graceS: 0)
+        let seen = Shared<[CompensatedReading]>([])
+        let task = reader(compass, seen)
+        let events = tumbling(900)
+        try await eventually { source.listeners == 1 }
+        for k in stride(from: 0, to: events.count, by: 7) { source.push(Array(events[k..<min(k + 7, events.count)])) }
+        try await eventually { seen.value.count == 900 }
+        let played = try await Compass(source: Played(events: events, isLive: false)).readings().collected()
+        #expect(seen.value.map(\.reading) == played.map(\.reading) && seen.value.allSatisfy { $0.timestamp != nil })
+        // two threads at once
+        await withTaskGroup(of: Void.self) { group in
+            for _ in 0..<4 { group.addTask { for k in 0..<50 { source.push(flat(1000 + k)) } } }
+        }
+        try await eventually { seen.value.count == 1100 }
+        task.cancel()
+        try await task.value
+        #expect(source.listeners == 0)
+        source.push(flat(2000))
+        #expect(seen.value.count == 1100)
+    }
+
     @Test(arguments: [-0.01, 0.26, .nan]) func aHoldOutOfRangeIsAnError(holdS: Double) async {
         let error = MagcompError.config(field: "PushedSource.holdS", value: "\(holdS)", expected: "0 to 0.25 s")
         await #expect(throws: error) { try await PushedSource(holdS: holdS).samples().collected() }
+        await #expect(throws: error) { try await Compass(source: PushedSource(holdS: holdS)).readings().collected() }
     }
 
     @Test func aPhoneWithoutASensorSaysSo() {

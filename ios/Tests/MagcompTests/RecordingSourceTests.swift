@@ -119,7 +119,7 @@ import Testing
             case .up: "up"
             case .magnetic: "magnetic"
             case .systemField: "system"
-            case .heading: "heading"
+            case .heading, .attitude, .note: "help"
             }
         }
         #expect(kinds == ["rate", "up", "magnetic"])
@@ -168,39 +168,5 @@ import Testing
         await #expect(throws: (any Error).self) {
             try await RecordingSource(url: URL(fileURLWithPath: "/no/such.csv")).samples().collected()
         }
-    }
-
-    /// Each sensor at its own times, one that was late, and help.
-    @Test(arguments: [true, false]) func whatIsRecordedIsPlayed(isLive: Bool) async throws {
-        let v = DeviceVector(x: 0.1, y: -1e-7, z: 1e300)
-        func ns(_ ms: Int64) -> Int64 { ms * 1_000_000 - 2_500_000_000 }
-        let events: [SensorSample] = [
-            .rotationRate(RotationRateSample(timeNs: ns(0), rateRadS: v)), .up(UpSample(timeNs: ns(0), upMS2: v)),
-            .systemField(SystemFieldSample(timeNs: ns(0), fieldUt: v, accuracy: .uncalibrated)),
-            .magnetic(MagneticSample(timeNs: ns(3), fieldUt: v)),
-            .heading(HeadingSample(timeNs: ns(4), headingDeg: 90, sigmaDeg: 2, reference: .true, axis: .vehicle)),
-            .magnetic(MagneticSample(timeNs: ns(2_500), fieldUt: v)), .magnetic(MagneticSample(timeNs: 7, fieldUt: v)),
-        ]
-        // older than the row before, and the second of its sensor at one time
-        let late: [SensorSample] = [.up(UpSample(timeNs: 6, upMS2: v)), .magnetic(MagneticSample(timeNs: 7, fieldUt: v))]
-        let url = FileManager.default.temporaryDirectory.appendingPathComponent("\(UUID()).csv")
-        let source = Played(events: events + late, isLive: isLive).recorded(to: url)
-        #expect(source.samples().isLive == isLive)
-        for _ in 0..<2 { #expect(try await source.samples().collected() == events + late) }
-        #expect(try await RecordingSource(url: url, courses: .vehicle).samples().collected() == events)
-    }
-
-    @Test func aRecordingIsWrittenWhileItGrowsAndWhenItsReaderLeaves() async throws {
-        let url = FileManager.default.temporaryDirectory.appendingPathComponent("\(UUID()).csv")
-        let source = Played(events: tumbling(2000))
-        var iterator: SensorSamples.AsyncIterator? = source.recorded(to: url).samples().makeAsyncIterator()
-        for _ in 0..<3000 { _ = try await iterator?.next() }
-        let written = try Data(contentsOf: url).count
-        #expect(written > 16_384)
-        iterator = nil
-        #expect(try await RecordingSource(url: url).samples().collected() == Array(tumbling(2000)[..<3000]))
-        #expect(try Data(contentsOf: url).count > written)
-        let nowhere = URL(fileURLWithPath: "/no/such/folder/r.csv")
-        await #expect(throws: (any Error).self) { try await source.recorded(to: nowhere).samples().collected() }
     }
 }

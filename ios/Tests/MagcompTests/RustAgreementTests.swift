@@ -38,7 +38,7 @@ import Testing
             case .up(let sample):
                 let used = (try? native.pushUp(sample: sample)) != nil
                 #expect(try compensator.pushUp(sample) == used)
-            case .systemField, .heading: Issue.record("a recording has none")
+            case .systemField, .heading, .attitude, .note: Issue.record("a recording has none")
             }
         }
         expectReadings(readings)

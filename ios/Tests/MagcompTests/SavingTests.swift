@@ -225,7 +225,7 @@ import Testing
         case .up(var sample):
             sample.timeNs += byNs
             return .up(sample)
-        case .rotationRate, .systemField, .heading: return event
+        case .rotationRate, .systemField, .heading, .attitude, .note: return event
         }
     }
 }

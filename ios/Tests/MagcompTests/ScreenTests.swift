@@ -58,8 +58,30 @@ import Testing
     @Test func theLastReadingIsShownWhenItEnds() {
         var screen = CompassScreen(CompassDisplay(rateHz: 10))
         #expect(screen.see(answer(0, 1)) && !screen.see(answer(10, 2)) && screen.state.headingDeg == 1)
-        #expect(screen.end() && screen.state.headingDeg == 2 && !screen.end())
-        #expect(screen.see(answer(200, 3)) && !screen.end())
+        let ends = [screen.end(isLive: false), screen.state.headingDeg == 2, screen.end(isLive: false)]
+        #expect(ends == [true, true, false])
+        let sees = [screen.see(answer(200, 3)), screen.end(isLive: false)]
+        #expect(sees == [true, false])
+        // sensors that have ended leave no heading
+        let isLost = screen.end(isLive: true)
+        #expect(isLost && screen.state.headingDeg == nil && screen.state.reading?.isSilent == true)
+        var other = CompassScreen(CompassDisplay(rateHz: 10))
+        let isShown = other.end(isLive: true)
+        #expect(!isShown && other.state == CompassState())
+    }
+
+    @Test func silenceIsShownAtOnceAndSoIsWhatComesAfterIt() {
+        var screen = CompassScreen(CompassDisplay(rateHz: 10, smoothingHalfLifeS: 10))
+        let before = [screen.see(answer(0, 1)), screen.see(answer(10, 2))]
+        let isTold = screen.see(CompensatedReading(silentAfter: answer(10, 2).sample))
+        #expect(before == [true, false] && isTold)
+        let state = screen.state
+        #expect(state.headingDeg == nil && state.headingSigmaDeg == 180 && state.trueHeadingDeg == nil)
+        #expect(state.status == "the magnetometer delivers nothing" && state.guidance == nil && state.totalFieldUt == nil)
+        // the one that waited is older, and is not smoothed into what comes
+        let after = [screen.end(isLive: false), screen.see(answer(20, 90))]
+        #expect(after == [false, true])
+        #expect(screen.state.headingDeg == 90 && screen.state.status == "tracking")
     }
 
     /// The main thread was busy: what it sees then is the newest reading, not those that piled up.

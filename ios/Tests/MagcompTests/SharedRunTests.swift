@@ -69,8 +69,8 @@ import Testing
 
     @Test func everyViewEndsWithTheSource() async throws {
         let source = Live()
-        let (model, object) = (
-            CompassModel(compass: Compass(source: source)), CompassObject(compass: Compass(source: NoSource()))
+        let (model, other) = (
+            CompassModel(compass: Compass(source: source)), CompassModel(compass: Compass(source: NoSource()))
         )
         let views = [view(model), view(model)]
         try await source.started(1)
@@ -79,8 +79,8 @@ import Testing
         #expect(model.error == .sensor(.accessRefused(sensor: .motion)))
         // nothing to try again
         model.retry()
-        await object.run()
-        object.retry()
+        await other.run()
+        other.retry()
         #expect(source.state.value.starts == 1)
     }
 
@@ -110,16 +110,42 @@ import Testing
 
     @Test func whoWaitsToTryAgainLeavesWhenItsViewDoes() async throws {
         let source = Live()
-        let object = CompassObject(compass: Compass(source: source))
-        let running = Task { await object.run() }
+        let model = CompassModel(compass: Compass(source: source))
+        let running = Task { await model.run() }
         try await source.started(1)
         source.finish(SensorError.refused(sensor: .magnetometer, reason: "CMErrorDomain 103"))
-        try await eventually { object.state.error?.mayPass == true }
+        try await eventually { model.error?.mayPass == true }
         running.cancel()
         await running.value
-        object.retry()
+        #expect(model.error == nil && model.status == "starting")
+        model.retry()
         for _ in 0..<50 { await Task.yield() }
         #expect(source.state.value.starts == 1)
+    }
+
+    /// A recording is at its place when the next reader comes: with the grace time that apps have it would have played on.
+    @Test func aRecordingEndsAtOnceForAllItsGraceTime() async throws {
+        let (source, given) = (Shared(0), Shared(0))
+        struct Counting: MagneticFieldSource {
+            let starts, given: Shared<Int>
+
+            func samples() -> SensorSamples {
+                starts.change { $0 += 1 }
+                return SensorSamples(isLive: false) { [given] in
+                    AsyncStream(unfolding: {
+                        given.change { $0 += 1 }
+                        return flat(given.value)[1]
+                    })
+                }
+            }
+        }
+        let compass = Compass(source: Counting(starts: source, given: given), graceS: 5)
+        for try await _ in compass.readings(capacity: 4) { break }
+        // another run begins, so the first has ended
+        for try await _ in compass.readings(capacity: 4) { break }
+        let count = given.value
+        try await Task.sleep(for: .milliseconds(100))
+        #expect(source.value == 2 && given.value <= count + 1 && count < 40)
     }
 
     /// A tab that goes and comes.
@@ -203,39 +229,8 @@ import Testing
         let sample = MagneticSample(timeNs: 1, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
         let state = CompassState(
             CompensatedReading(reading: MagneticReading(status: .tracking, heading: heading), sample: sample))
-        let (model, object) = (CompassModel(state: state), CompassObject(state: state))
+        let model = CompassModel(state: state)
         await model.run()
-        await object.run()
         #expect(model.headingDeg == 42 && model.headingSigmaDeg == 3 && model.status == "tracking")
-        #expect(object.state == state)
-    }
-
-    @Test func theTwinSavesForgetsAndTellsAsTheModelDoes() async throws {
-        let wrong = CompassObject(compass: Compass(source: Played(events: [])), display: CompassDisplay(rateHz: 0))
-        await wrong.run()
-        #expect(wrong.state.error != nil)
-        let (source, store) = (Live(), Slow())
-        let object = CompassObject(
-            compass: Compass(source: source, store: store), display: CompassDisplay(rateHz: 10))
-        let changes = Shared(0)
-        object.objectWillChange.sink { changes.change { $0 += 1 } }
-        let running = Task { await object.run() }
-        try await source.started(1)
-        // the first state is the one that is shown already
-        #expect(changes.value == 0)
-        source.play(tumbling(900))
-        // readings that it does not come to are left out, so which of the last 0.1 s it shows is open
-        try await eventually { object.state.reading.map { $0.sample.timeNs > 890 * stepNs } ?? false }
-        #expect((1...90).contains(changes.value), "\(changes.value) at 10 Hz")
-        await object.compass.settled()
-        let saved = store.kept.value
-        object.save()
-        await object.compass.settled()
-        #expect(saved != nil && store.kept.value != saved)
-        object.reset()
-        await object.compass.settled()
-        #expect(store.kept.value == nil)
-        running.cancel()
-        await running.value
     }
 }

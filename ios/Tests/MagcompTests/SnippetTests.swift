@@ -11,28 +11,48 @@ func withoutSwiftUI() async throws {
         if let headingDeg = answer.headingDeg {
             print("\(headingDeg) deg, give or take \(answer.headingSigmaDeg ?? 180)")
         } else {
-            print(answer.status.localizedText)
+            print(answer.localizedText)
         }
     }
 }
 
 func besideTheSystemsOwn(compare: (DeviceVector?, SystemFieldSample?) -> Void) async throws {
     let source = CoreMotionSource(options: SensorOptions(systemField: true))
-    for try await answer in source.samples().compensated(store: UserDefaultsStore()) {
+    for try await answer in Compass(source: source, store: UserDefaultsStore()).readings() {
         compare(answer.reading.fieldUt, answer.systemField)
     }
 }
 #endif
+
+func recordForAReport(_ compass: Compass, _ folder: URL) throws -> CompassRecording {
+    // before the first reading: then it plays as it was
+    let recording = try compass.record(to: folder.appendingPathComponent("compass.csv"))
+    return recording
+}
+
+func share(_ recording: CompassRecording) throws -> [URL] {
+    try recording.close()
+    return recording.urls
+}
+
+func play(_ url: URL, compare: (CompensatedReading) -> Void) async throws {
+    for try await answer in Compass(source: RecordingSource(url: url)).readings() { compare(answer) }
+}
 
 func trueNorth(_ compass: Compass) throws {
     let place = try EarthMagneticField(latitudeDeg: 48.86, longitudeDeg: 2.35, heightM: 35, date: Date())
     try compass.setDeclinationDeg(place.declinationDeg)
 }
 
+func placeNorth(_ compass: Compass, place: (SIMD3<Double>) -> Void) {
+    // nil before there are both, and where nobody has told a pose for a second
+    if let north = compass.arWorldNorth, north.sigmaDeg < 15 { place(north.direction) }
+}
+
 func onLandmark(_ compass: Compass, bearingDeg: Double) throws {
     let camera = HeadedAxis.device(axis: DeviceVector(x: 0, y: 0, z: -1))
     try compass.aid(
-        HeadingSample(
+        with: HeadingSample(
             timeNs: HeadingSample.timeNs(of: Date()), headingDeg: bearingDeg, sigmaDeg: 5, reference: .true, axis: camera))
 }
 
@@ -41,7 +61,7 @@ import CoreLocation
 
 func onFix(_ compass: Compass, _ fix: CLLocation) throws {
     // in a holder in a car; `.heldAhead`: its user walks and holds it ahead
-    let isTaken = try compass.aid(fix, of: .vehicle)
+    let isTaken = try compass.aid(with: fix, pointing: .vehicle)
     if !isTaken { print("no course, too slow, too late, or nobody reads") }
     // true north, where the place is known
     try compass.setPlace(fix)
@@ -52,7 +72,7 @@ func onFix(_ compass: Compass, _ fix: CLLocation) throws {
 import UIKit
 
 @MainActor func onTurn(_ compass: Compass, _ scene: UIWindowScene) {
-    if let rotation = ScreenRotation(scene.interfaceOrientation) { compass.screenRotation = rotation }
+    if let rotation = ScreenRotation(scene.effectiveGeometry.interfaceOrientation) { compass.screenRotation = rotation }
 }
 #endif
 
@@ -133,11 +153,11 @@ final class CameraHelp: NSObject, ARSessionDelegate {
         let compass = Compass(source: source)
         try onFix(compass, fix(course: 90))
         #expect(try compass.declinationDeg == EarthMagneticField(at: fix(course: 90)).declinationDeg)
-        #expect(try !compass.aid(fix(course: 90), of: .vehicle), "nobody reads")
+        #expect(try !compass.aid(with: fix(course: 90), pointing: .vehicle), "nobody reads")
         try await driven(compass, source) { () throws in
-            #expect(try !compass.aid(fix(course: -1), of: .vehicle), "no course")
-            #expect(try !compass.aid(fix(course: 90, agoS: 60), of: .vehicle), "too late")
-            #expect(try compass.aid(fix(course: 90, agoS: 2), of: .vehicle))
+            #expect(try !compass.aid(with: fix(course: -1), pointing: .vehicle), "no course")
+            #expect(try !compass.aid(with: fix(course: 90, agoS: 60), pointing: .vehicle), "too late")
+            #expect(try compass.aid(with: fix(course: 90, agoS: 2), pointing: .vehicle))
         }
         #expect(throws: MagcompError.self) { try EarthMagneticField(at: fix(course: 90, horizontalAccuracy: -1)) }
     }

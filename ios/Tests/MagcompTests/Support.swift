@@ -71,21 +71,37 @@ func flat(_ k: Int) -> [SensorSample] {
     ]
 }
 
-// Tests look at what happens when the last reader leaves, so their compasses have no grace time but where they say so: of two that fit,
-// the compiler takes the one without defaults.
+// Tests look at what happens when the last reader leaves, so their compasses have no grace time but where they say so, and they may be
+// slow, so no source is silent but where they say so: of two that fit, the compiler takes the one without defaults.
 extension Compass {
-    convenience init(source: any MagneticFieldSource) { self.init(source: source, graceS: 0) }
+    convenience init(
+        source: any MagneticFieldSource, config: CompensationConfig = CompensationConfig(),
+        store: (any CalibrationStore)? = nil, graceS: Double = 0, silenceS: Double
+    ) {
+        self.init(
+            source: source, config: config, store: store, graceS: graceS, silenceS: silenceS, unixTimeS: systemUnixTimeS)
+    }
+
+    convenience init(source: any MagneticFieldSource) { self.init(source: source, silenceS: 1e6) }
+
+    convenience init(source: any MagneticFieldSource, graceS: Double) {
+        self.init(source: source, graceS: graceS, silenceS: 1e6)
+    }
 
     convenience init(source: any MagneticFieldSource, store: (any CalibrationStore)?) {
-        self.init(source: source, store: store, graceS: 0)
+        self.init(source: source, store: store, silenceS: 1e6)
+    }
+
+    convenience init(source: any MagneticFieldSource, store: (any CalibrationStore)?, graceS: Double) {
+        self.init(source: source, store: store, graceS: graceS, silenceS: 1e6)
     }
 
     convenience init(source: any MagneticFieldSource, config: CompensationConfig) {
-        self.init(source: source, config: config, graceS: 0)
+        self.init(source: source, config: config, silenceS: 1e6)
     }
 
     convenience init(source: any MagneticFieldSource, config: CompensationConfig, store: (any CalibrationStore)?) {
-        self.init(source: source, config: config, store: store, graceS: 0)
+        self.init(source: source, config: config, store: store, silenceS: 1e6)
     }
 }
 
@@ -109,6 +125,20 @@ extension AsyncSequence {
         var all: [Element] = []
         for try await element in self { all.append(element) }
         return all
+    }
+}
+
+extension AsyncSequence where Self: Sendable, Element == SensorSample {
+    /// Readings of an estimator of their own, for each iterator.
+    func compensated(
+        _ config: CompensationConfig = CompensationConfig(), store: (any CalibrationStore)? = nil, capacity: Int = 64
+    ) -> CompensatedReadings {
+        let events = (self as? SensorSamples) ?? SensorSamples { self }
+        return CompensatedReadings {
+            let frames = Locked(HeadingFrame(axis: config.heading?.axis ?? .auto, screenRotation: .deg0))
+            return Readers(of: { events }, by: Estimation(config, store: store, frames: frames), graceS: 0, silenceS: 1e6)
+                .place(capacity: capacity)
+        }
     }
 }
 

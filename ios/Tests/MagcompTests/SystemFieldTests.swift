@@ -86,6 +86,17 @@ import Testing
         }
     }
 
+    /// Device motion comes later than the magnetometer: the first samples have nothing of the system's beside them.
+    @Test func aFirstSampleWithoutTheSystemsFieldLeavesTheWishForIt() async throws {
+        let events = lying(.high)
+        let late = events.enumerated().filter { number, event in
+            if case .systemField = event { number > 9 } else { true }
+        }.map(\.element)
+        let readings = try await Compass(source: Played(events: late)).readings().collected()
+        let first = try #require(readings.firstIndex { $0.headingDeg != nil })
+        #expect((2...4).contains(first) && readings[0].systemField == nil && readings.count == 20)
+    }
+
     @Test func whatWasLearnedIsBetterThanTheSystems() async throws {
         let store = Slow()
         _ = try await Compass(source: Played(events: tumbling(1500)), store: store).readings().collected()

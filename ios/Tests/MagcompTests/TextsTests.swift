@@ -47,6 +47,40 @@ struct TextsTests {
         }
     }
 
+    /// An app may make or decode what the core never says.
+    @Test(arguments: [0, 4, -4, .max, .min] as [Int32]) func numbersThatAreNoneHaveATextToo(number: Int32) throws {
+        let whole: [CompensationStatus] = [
+            .rejected(reason: .axes(x: number, y: -1, z: 2)), .rejected(reason: .stuck(repeats: number)),
+            .rejected(reason: .timeNotAfter(timeNs: Int64(number), latestNs: .min)),
+            .collecting(missing: .samples(have: number, need: number)),
+            .collecting(missing: .fit(problem: .tooFewSamples(have: number))),
+        ]
+        let real: [CompensationStatus] = [Double.nan, .infinity, -.infinity, 1e300, -0.0].flatMap {
+            value -> [CompensationStatus] in
+            let problems: [FitProblem] = [
+                .planar(thicknessUt: value), .poorCoverage(directionSigmaDeg: value, limitDeg: value),
+                .inconsistent(residualUt: value, limitUt: value),
+                .fieldOutOfRange(fieldUt: value, lowUt: value, highUt: value),
+            ]
+            return [
+                .rejected(reason: .outOfRange(valueUt: value, limitUt: value)),
+                .rejected(reason: .saturated(axis: .y, valueUt: value, railUt: value)),
+                .rejected(reason: .timeJump(gapS: value, limitS: value)),
+            ] + problems.flatMap { [.collecting(missing: .fit(problem: $0)), .held(reason: .fitRefused(problem: $0))] }
+        }
+        for status in whole + real {
+            #expect(status.localizedText.count > 10)
+            _ = status.localizedGuidance
+        }
+        #expect(whole[0].localizedText.contains(",-x,y "))
+        let decoded = try JSONDecoder().decode(CompensationStatus.self, from: JSONEncoder().encode(whole[0]))
+        #expect(decoded.localizedText == whole[0].localizedText)
+        for sinceNs in [Int64.min, 0, .max] {
+            let event = FieldEvent(kind: .deviceStep, sinceNs: sinceNs, decidedNs: Int64(number))
+            #expect(event.localizedText.hasPrefix("the device's own disturbance changed"))
+        }
+    }
+
     @Test func events() throws {
         let facts: Facts = try vectors("facts.json")
         let kinds: [String: FieldEventKind] = [

@@ -75,6 +75,22 @@ import simd
         #expect(isClose(turn.north, 39))
     }
 
+    /// ARKit has 60 frames a second, and readings are 50 ms behind: three poses wait, each for its own time.
+    @Test func posesThatCameBeforeTheirAttitudesEachGetTheirs() {
+        var turn = WorldTurn()
+        turn.see(reading(yawDeg: 0, sigmaDeg: 9), 0)
+        for k in 1...3 { turn.see(pose(Int64(k) * 16_000_000, yawDeg: 5, worldDeg: Double(40 + k))) }
+        #expect(turn.north == nil)
+        var found: [Int64?] = []
+        for k in 1...5 {
+            turn.see(reading(yawDeg: 5, sigmaDeg: Double(k)), Int64(k) * stepNs)
+            found.append(turn.north.map { $0.timeNs / 16_000_000 })
+            // as unsure as the attitude that came after the pose, not the one before
+            if let north = turn.north, north.timeNs > Int64(k - 1) * stepNs { #expect(north.sigmaDeg == Double(k)) }
+        }
+        #expect(found == [nil, 1, 1, 2, 3] && isClose(turn.north, 43))
+    }
+
     /// A phone that lies flat: its top edge points along ARKit's -z.
     @Test func aCompassKnowsWhereNorthIsForArKit() async throws {
         let source = Live()

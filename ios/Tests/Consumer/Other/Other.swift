@@ -3,6 +3,8 @@ public typealias Method = OpaquePointer
 public struct Attitude {}
 public struct Axis {}
 public struct Calibration {}
+// as ArcGIS's toolkit has one
+public struct Compass {}
 public struct Config {}
 public struct Coverage {}
 public struct Event {}

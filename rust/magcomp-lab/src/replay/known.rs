@@ -15,7 +15,7 @@ const WIDE_DEG: f64 = 20.0;
 const SHARES: [u64; 3] = [950, 800, 500];
 /// Cosine of the angle to the vertical within which an axis has no heading, 30 degrees.
 const STEEP: f64 = 0.866;
-/// Attitudes are compared this far apart, s, and by less they have not turned, degrees.
+/// Attitudes are compared this far apart, s; one that differs by less from the latest that counted has not turned, degrees.
 const APART_S: f64 = 0.5;
 const TURNED_DEG: f64 = 3.0;
 /// A device that turned by less in all shows too little of its iron, degrees.
@@ -84,11 +84,12 @@ impl Known {
             && let Some(attitude) = level.attitude()
         {
             let turned_deg = self.turned_deg.get_or_insert(0.0);
-            if let Some((_, before)) = self.before {
-                let by_deg = attitude.angle_to(&before).to_degrees();
-                *turned_deg += if by_deg > TURNED_DEG { by_deg } else { 0.0 };
-            }
-            self.before = Some((row.time_s, attitude));
+            // a slow turn adds up to one that counts
+            let before = self.before.map_or(attitude, |(_, before)| before);
+            let by_deg = attitude.angle_to(&before).to_degrees();
+            let has_turned = by_deg > TURNED_DEG;
+            *turned_deg += if has_turned { by_deg } else { 0.0 };
+            self.before = Some((row.time_s, if has_turned { attitude } else { before }));
         }
     }
 

@@ -112,13 +112,17 @@ impl Verdict {
 
     /// As the lines that a summary begins with.
     pub fn lines(&self) -> Vec<String> {
-        let because = |why: &[String]| if why.is_empty() { String::new() } else { format!(": {}", why.join("; ")) };
+        let because = |mark: &str, why: &[String]| {
+            if why.is_empty() { String::new() } else { format!("{mark} {}", why.join("; ")) }
+        };
+        // the sentence of the heading may have a colon of its own
+        let why = because(";", &self.why);
         let heading = match self.grade {
             Grade::Good => format!("Heading: {}.", self.heading),
-            Grade::Doubtful => format!("Heading: doubtful, {}{}.", self.heading, because(&self.why)),
-            Grade::Bad => format!("Heading: bad, {}{}.", self.heading, because(&self.why)),
+            Grade::Doubtful => format!("Heading: doubtful, {}{why}.", self.heading),
+            Grade::Bad => format!("Heading: bad, {}{why}.", self.heading),
         };
-        let place = format!("Place: {}{}.", self.place_words(), because(&self.place_why));
+        let place = format!("Place: {}{}.", self.place_words(), because(":", &self.place_why));
         let next = (!self.next.is_empty()).then(|| format!("Next: {}.", self.next.join("; ")));
         let notes = self.notes.iter().map(|note| format!("Note: {note}."));
         [heading, place].into_iter().chain(next).chain(notes).collect()

@@ -53,7 +53,7 @@ pub(super) const TOGETHER: &[(&str, &[&str])] = &[
     ("aided", &["unevenness", "local_learning", "local_gate", "followed", "hard_iron_walk"]),
     ("aided", &["gyroscope_axes", "delay", "recent", "second_order"]),
     ("aided", &["follow", "long_up"]),
-    ("aided", &["misfit", "feigned"]),
+    ("aided", &["misfit", "feigned", "forget"]),
     ("adaptive", &["cold_again", "leap", "twins", "spread"]),
     ("adaptive", &["looks", "moves", "gradual", "recall"]),
     ("adaptive", &["rough", "unevenness", "stays"]),

@@ -171,15 +171,15 @@ mod tests {
     #[test]
     fn what_is_asked_for_is_tried() {
         let names = |options| subjects(&options).map(|all| all.iter().map(|(_, it)| it.name()).collect::<Vec<_>>());
-        assert_eq!(names(options(&["quarantine_s", "quarantine"], false)).unwrap(), ["quarantine"]);
+        assert_eq!(names(options(&["followed"], false)).unwrap(), ["followed"]);
         // a pair where both are asked for, in the order of the list of states
         let pair = names(options(&["quarantine", "hold"], true)).unwrap();
         assert!(
             pair.contains(&"hold + quarantine".to_owned()) && pair.iter().filter(|it| it.contains(" + ")).count() >= 1,
             "{pair:?}"
         );
-        let both = names(options(&["noise_ut", "quarantine"], false)).unwrap();
-        assert_eq!(both, ["noise_ut", "quarantine"]);
+        let both = names(options(&["noise_ut", "followed"], false)).unwrap();
+        assert_eq!(both, ["noise_ut", "followed"]);
         let single = |switches| {
             let all = names(options(&[], switches)).unwrap();
             all.iter().filter(|name| !name.contains(" + ")).count()
@@ -190,7 +190,7 @@ mod tests {
             (Tunings::list().count() + Tunings::mechanisms().count(), Tunings::mechanisms().count())
         );
         let refused = |options| names(options).unwrap_err().to_string();
-        assert!(refused(options(&["quarantine", "nobody"], false)).contains("'nobody'"));
+        assert!(refused(options(&["followed", "nobody"], false)).contains("'nobody'"));
         assert!(refused(options(&["noise_ut"], true)).contains("no mechanism has 'noise_ut'"));
         let alone = SensitivityOptions { seeds: 3..=3, ..options(&[], false) };
         assert!(run(&alone).unwrap_err().to_string().contains("one seed tells no noise"));

@@ -83,7 +83,8 @@ fn a_device_that_was_hardly_turned_has_no_good_verdict() {
         let (t, noise) = (f64::from(k) * 0.02, 0.2 * f64::from(k * 7919 % 13 - 6) / 6.0);
         let angle = std::f64::consts::FRAC_PI_2 * t / 60.0;
         let (mx, my) = (20.0 * angle.sin() + 30.0 + noise, 20.0 * angle.cos() - 10.0 - noise);
-        text_of += &format!("{t},{mx},{my},{},0,0,9.81,0,0,{}\n", -40.0 + noise, std::f64::consts::FRAC_PI_2 / 60.0);
+        let rate = std::f64::consts::FRAC_PI_2 / 60.0 + 0.01 * noise;
+        text_of += &format!("{t},{mx},{my},{},{noise},0.1,{},{},0,{rate}\n", -40.0 + noise, 9.81 - noise, 0.01 * noise);
     }
     fs::write(&path, text_of).unwrap();
     let (_, json, error) = run(&["replay", text(&path), "--json"]);
@@ -102,8 +103,10 @@ fn no_remark_names_the_option_that_was_given() {
     for k in 0..3000 {
         let t = f64::from(k) * 0.02;
         let (sin, cos) = (0.8 * t).sin_cos();
+        let noise = 0.1 * f64::from(k * 7919 % 13 - 6) / 6.0;
         // turned about its y, which points up
-        upright += &format!("{t},{},-40,{},0,9.81,0,0,0.8,0\n", 20.0 * sin + 30.0, 20.0 * cos - 10.0);
+        let (mx, my, mz) = (20.0 * cos + 30.0, -40.0 + noise, 20.0 * sin - 10.0);
+        upright += &format!("{t},{mx},{my},{mz},{noise},9.81,{noise},{},0.8,{}\n", 0.01 * noise, -0.01 * noise);
     }
     fs::write(&path, upright).unwrap();
     let lead = |axis: &str| run(&["replay", text(&path), "--axis", axis]).1;
@@ -145,7 +148,8 @@ fn courses_that_are_not_used_are_told() {
     let mut car = "t_s,mx,my,mz,ax,ay,az,gx,gy,gz,course_deg,course_sigma_deg\n".to_owned();
     for k in 0..3000 {
         let course = if k % 50 == 0 { "90,3" } else { "," };
-        car += &format!("{},20,30,-40,0,0,9.81,0,0,0.0{},{course}\n", f64::from(k) * 0.02, k % 7);
+        let noise = 0.1 * f64::from(k * 7919 % 13 - 6) / 6.0;
+        car += &format!("{},{},30,-40,0,{noise},9.81,0,0,0.0{},{course}\n", f64::from(k) * 0.02, 20.0 + noise, k % 7);
     }
     fs::write(&path, car).unwrap();
     let table = |options: &[&str]| run(&[&["replay", text(&path)], options].concat()).1.replace("\n  ", " ");

@@ -241,7 +241,7 @@ fn a_closing_block_is_left_out_and_damage_is_not() {
     // a row follows, or more lines than any logger closes a file with
     for end in [format!("<2>\n{}", rows_of(61).lines().last().unwrap()), "x y z\n".repeat(55)] {
         fs::write(&path, format!("{whole}{end}\n")).unwrap();
-        assert!(refused(&[&path], &columns).contains("line 61, column 1 (#1)"), "{end}");
+        assert!(refused(&[&path], &columns).contains("line 61, column "), "{end}");
     }
 }
 

@@ -1,0 +1,1 @@
+../../../bindings/swift/Magcomp.swift
