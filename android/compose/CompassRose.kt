@@ -13,6 +13,7 @@ import androidx.compose.ui.draw.rotate
 import androidx.compose.ui.geometry.Offset
 import androidx.compose.ui.graphics.Color
 import androidx.compose.ui.graphics.drawscope.Stroke
+import androidx.compose.ui.graphics.graphicsLayer
 import androidx.compose.ui.semantics.clearAndSetSemantics
 import androidx.compose.ui.semantics.contentDescription
 import androidx.compose.ui.text.TextStyle
@@ -23,7 +24,8 @@ import androidx.compose.ui.unit.sp
 public class RoseColors(public val north: Color, public val text: Color, public val ring: Color)
 
 /**
- * A rose that turns against the heading. Its sector reaches two standard deviations to either side: north lies in it 19 times of 20.
+ * A rose that turns against the heading. Its sector reaches one standard deviation to either side of north, as far as the number that stands
+ * beside a heading: north lies in it two times of three. The letters stay upright.
  *
  * ```
  * CompassRose(reading.headingDeg, reading.headingSigmaDeg, reading.spoken(resources), colors, Modifier.size(260.dp))
@@ -50,15 +52,18 @@ public fun CompassRose(
             drawLine(colors.text, Offset(center.x, 0f), Offset(center.x, 8.dp.toPx()), 3.dp.toPx())
         }
         val shownDeg = headingDeg?.takeIf { it.isFinite() } ?: return@Box
-        Box(Modifier.fillMaxSize().rotate(-(shownDeg % 360).toFloat())) {
+        val turnedDeg = (shownDeg % 360).toFloat()
+        // a layer is turned as it is: neither needle nor letters are laid out or drawn again
+        Box(Modifier.fillMaxSize().graphicsLayer { rotationZ = -turnedDeg }) {
             Canvas(Modifier.fillMaxSize()) {
-                val halfDeg = (2 * (sigmaDeg?.takeIf { it >= 0 } ?: 180.0)).coerceAtMost(180.0).toFloat()
+                val halfDeg = (sigmaDeg?.takeIf { it >= 0 } ?: 180.0).coerceAtMost(180.0).toFloat()
                 drawArc(colors.north.copy(alpha = 0.25f), -90 - halfDeg, 2 * halfDeg, useCenter = true)
                 drawLine(colors.north, center, Offset(center.x, 40.dp.toPx()), 3.dp.toPx())
             }
             letters.forEachIndexed { k, letter ->
                 Box(Modifier.fillMaxSize().rotate(90f * k).padding(8.dp), contentAlignment = Alignment.TopCenter) {
-                    BasicText(letter, style = TextStyle(color = if (k == 0) colors.north else colors.text, fontSize = 22.sp))
+                    val color = if (k == 0) colors.north else colors.text
+                    BasicText(letter, Modifier.graphicsLayer { rotationZ = turnedDeg - 90f * k }, TextStyle(color = color, fontSize = 22.sp))
                 }
             }
         }

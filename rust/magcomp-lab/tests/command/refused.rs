@@ -34,7 +34,7 @@ fn an_output_that_cannot_be_written_is_one_line() {
 }
 
 #[test]
-fn a_cut_gzip_is_one_line() {
+fn a_cut_gzip_gives_what_is_before_the_cut_and_tells_it() {
     let folder = tempfile::tempdir().unwrap();
     let whole = folder.path().join("in.csv.gz");
     assert_eq!(run(&["simulate", text(&whole), "--seconds", "5"]).0, 0);
@@ -43,6 +43,9 @@ fn a_cut_gzip_is_one_line() {
     let bytes = fs::read(&whole).unwrap();
     let cut = folder.path().join("cut.csv.gz");
     fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();
+    let (code, table, error) = run(&["replay", text(&cut)]);
+    assert!(code == 0 && table.contains("the file is cut off"), "{table}{error}");
+    fs::write(&cut, &bytes[..12]).unwrap();
     let (code, _, error) = run(&["replay", text(&cut)]);
     assert_eq!((code, error.lines().count()), (1, 1), "{error}");
 }

@@ -132,8 +132,8 @@ fn a_dash_is_the_standard_input_and_output() {
     let found = magcomp().args(["replay", "-", "--output", "-"]).write_stdin(recording).output().unwrap();
     let (out, error) = (String::from_utf8(found.stdout).unwrap(), String::from_utf8(found.stderr).unwrap());
     assert_eq!(found.status.code(), Some(0), "{error}");
-    assert!(out.starts_with("t_s,cx,cy,cz") && !out.contains("Verdict"), "{out}");
-    assert!(error.contains("Verdict"), "{error}");
+    assert!(out.starts_with("t_s,cx,cy,cz") && !out.contains("Heading:"), "{out}");
+    assert!(error.contains("Heading:"), "{error}");
     let output = folder.path().join("out.csv");
     assert_eq!(run(&["replay", text(&input), "--output", text(&output)]).0, 0);
     assert_eq!(without_times(&out), without_times(&fs::read_to_string(&output).unwrap()));

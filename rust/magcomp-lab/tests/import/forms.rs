@@ -80,10 +80,11 @@ fn one_file_a_sensor_is_told_by_its_name() {
     }
     // said in the option
     let other = folder.path().join("other.csv");
+    fs::write(&other, text(0.1)).unwrap();
     let columns = "t=time,mx=x,my=y,mz=z,other.csv:gx=x,gy=y,gz=z";
     let found = imported(&[&paths[0], &paths[1], &other], &["--columns", columns]);
     let first: Vec<&str> = found.lines().nth(1).unwrap().split(',').collect();
-    assert_eq!([first[3], first[6], first[9]], ["-40", "9.8", "-40"]);
+    assert_eq!([first[3], first[6], first[9]], ["-40", "9.8", "0.1"]);
     let error = refused(&[&paths[0], &other], &["--columns", "t=time,mx=x,my=y,mz=z,otter.csv:gx=x,gy=y,gz=z"]);
     assert!(error.contains("--columns otter.csv:...: no such file"), "{error}");
 }

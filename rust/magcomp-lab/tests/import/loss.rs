@@ -117,8 +117,9 @@ fn rounded_times_are_spread_with_a_warning_and_lost_events_are_an_error() {
 #[test]
 fn a_packed_file_that_is_cut_off_gives_what_is_before_the_cut() {
     let mut text = "t_s,mx,my,mz,note\n".to_owned();
-    (0..5000)
-        .for_each(|k| text += &format!("{},{},30,-40,\"a, \"\"b\"\"\"\n", f64::from(k) * 0.02, 20 + k * 7919 % 13));
+    (0..5000).for_each(|k| {
+        text += &format!("{},{},{},-4{},\"a, \"\"b\"\"\"\n", f64::from(k) * 0.02, 20 + k * 7919 % 13, 30 + k % 5, k % 7)
+    });
     let mut zip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
     std::io::Write::write_all(&mut zip, text.as_bytes()).unwrap();
     let whole = zip.finish().unwrap();

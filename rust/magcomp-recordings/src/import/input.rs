@@ -95,7 +95,7 @@ impl Budget {
     pub fn unpack_cut(&mut self, content: impl Read, packed_bytes: u64) -> io::Result<(Vec<u8>, bool)> {
         let mut content = Cut { content, is_cut: false };
         let bytes = self.unpack(&mut content, packed_bytes)?;
-        if bytes.is_empty() && content.is_cut {
+        if content.is_cut && !bytes.contains(&b'\n') {
             return Err(io::Error::new(io::ErrorKind::UnexpectedEof, "the file is cut off"));
         }
         Ok((bytes, content.is_cut))

@@ -13,7 +13,7 @@ use crate::conventions::Conventions;
 use crate::error::RecordingError;
 use crate::place::{Day, GeoPoint};
 use crate::recording::{Events, Line, Row, Source, Text, text, unzipped};
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 /// Bytes at the beginning of a file that show its form.
@@ -86,8 +86,7 @@ fn either<T>(
         return session(found);
     }
     match recording(input) {
-        // rows out of order, rounded times, an end that is cut: the importer tells what it mends
-        Err(why @ (RecordingError::Form { .. } | RecordingError::Read { .. })) => match session(found) {
+        Err(why) if is_mended(&why) => match session(found) {
             Ok(opened) => Ok(opened),
             Err(several @ RecordingError::Several { .. }) => Err(several),
             // what was lost, and how to take it all the same
@@ -95,6 +94,15 @@ fn either<T>(
             Err(_) => Err(why),
         },
         opened => opened,
+    }
+}
+
+/// Rows out of order, rounded times, an end that is cut: the importer tells what it mends.
+fn is_mended(why: &RecordingError) -> bool {
+    match why {
+        RecordingError::Form { .. } => true,
+        RecordingError::Read { source, .. } => source.kind() == io::ErrorKind::UnexpectedEof,
+        _ => false,
     }
 }
 

@@ -88,6 +88,8 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, RecordingError> {
                 if let Err(why) = location.read(&sheet, &mut session) {
                     session.leave_out(&document.stem(), why);
                 }
+            } else if sheet.header.iter().any(|name| is_linear(name)) {
+                linear = true;
             } else if SENSORS.iter().any(|name| document.stem().contains(name))
                 || !left_over(&sheet.header, |_| false).is_empty()
             {

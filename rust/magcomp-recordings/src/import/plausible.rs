@@ -110,7 +110,7 @@ fn check_time(stream: &Stream<Vector3<f64>>, sensor: &str, is_told: bool) -> Res
     let units = [("ns", "nanoseconds", 1e-9), ("us", "microseconds", 1e-6), ("ms", "milliseconds", 1e-3)];
     let fitting = units.iter().find(|(.., factor)| (STEPS_S.0..=STEPS_S.1).contains(&(step_s * factor)));
     let hint = match fitting {
-        Some((unit, name, _)) => format!("time looks like {name}: --units t={unit}; or there are too few events"),
+        Some((unit, name, _)) => format!("too few events, or time looks like {name}: --units t={unit}"),
         None => "name the unit by --units t=s, ms, us or ns".to_owned(),
     };
     Err(refused(time, "steps of 0.2 ms to 2 s", &format!("steps of {step_s} s; {hint}")))

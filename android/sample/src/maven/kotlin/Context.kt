@@ -1,6 +1,6 @@
 package androidx.compose.ui.platform
 
-import android.content.Context
+import android.view.View
 import androidx.compose.runtime.compositionLocalOf
 
-val LocalContext = compositionLocalOf<Context> { error("none is given") }
+val LocalView = compositionLocalOf<View> { error("none is given") }

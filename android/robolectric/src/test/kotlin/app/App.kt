@@ -15,6 +15,7 @@ import kotlinx.coroutines.cancel
 import kotlinx.coroutines.launch
 import org.magcomp.Compass
 import org.magcomp.CompassReading
+import org.magcomp.CompassState
 import org.magcomp.screenRotation
 
 /** Keeps the one compass. */
@@ -43,13 +44,14 @@ open class CompassActivity : Activity() {
         compass.screenRotation = screenRotation(windowManager.defaultDisplay.rotation)
         job = scope.launch {
             compass.state.collect { state ->
-                latest = state.reading ?: latest
                 shown += 1
-                val reading = state.reading
-                label.text = when {
-                    state.error != null -> state.error!!.message
-                    reading == null -> ""
-                    else -> reading.headingDeg?.let { "$it deg, give or take ${reading.headingSigmaDeg}" } ?: reading.status.text()
+                label.text = when (state) {
+                    is CompassState.Ended -> state.error?.message
+                    is CompassState.Live -> {
+                        val reading = state.reading.also { latest = it }
+                        reading.headingDeg?.let { "$it deg, give or take ${reading.headingSigmaDeg}" } ?: reading.status.text()
+                    }
+                    CompassState.Waiting -> ""
                 }
             }
         }

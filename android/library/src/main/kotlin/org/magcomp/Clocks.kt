@@ -53,10 +53,10 @@ internal class Clocks(periodNs: Long, latencyNs: Long) {
 
     private fun isAnother(oneNs: Long, otherNs: Long) = abs(oneNs.toDouble() - otherNs.toDouble()) > SAME_NS
 
-    private companion object {
-        const val KINDS = 3
-        const val SHORTEST_SPAN_NS = 500_000_000L
-        const val LEAST_EVENTS = 5
+    companion object {
+        private const val KINDS = 3
+        private const val SHORTEST_SPAN_NS = 500_000_000L
+        private const val LEAST_EVENTS = 5
 
         /** Events that are late by less have the same clock: as far as the queue waits for one. */
         const val SAME_NS = 250_000_000.0

@@ -3,12 +3,18 @@ package org.magcomp
 import android.content.Context
 import android.location.Location
 import java.io.File
-import java.util.concurrent.ExecutionException
 import java.util.concurrent.Executor
+import java.util.concurrent.LinkedBlockingQueue
+import java.util.concurrent.ThreadPoolExecutor
+import java.util.concurrent.TimeUnit
+import kotlin.time.Duration
+import kotlin.time.Duration.Companion.milliseconds
+import kotlin.time.Duration.Companion.seconds
 import kotlinx.coroutines.CoroutineDispatcher
 import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.SupervisorJob
+import kotlinx.coroutines.asCoroutineDispatcher
 import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.MutableStateFlow
 import kotlinx.coroutines.flow.SharingStarted
@@ -16,6 +22,7 @@ import kotlinx.coroutines.flow.StateFlow
 import kotlinx.coroutines.flow.catch
 import kotlinx.coroutines.flow.firstOrNull
 import kotlinx.coroutines.flow.map
+import kotlinx.coroutines.flow.onCompletion
 import kotlinx.coroutines.flow.onEach
 import kotlinx.coroutines.flow.stateIn
 import kotlinx.coroutines.flow.update
@@ -26,28 +33,37 @@ import kotlinx.coroutines.withTimeoutOrNull
  *
  * Keep one `Compass` for an app's whole life, or in a `ViewModel`. All its collectors share one estimator and one
  * listener of each sensor, and the estimator keeps the calibration it has learned. A second `Compass` of the same
- * source has an estimator of its own, and shares the sensors. With a [SensorManagerSource] the estimator runs on the sensors' own thread,
- * which no other work of the app holds up.
+ * source has an estimator of its own, and shares the sensors. The estimator runs on a thread that does nothing else: that of the sensors,
+ * or with any other source one of the compass. No work of the app holds it up.
  *
  * @param source where events come from
  * @param config a field left out has the library's default, as in [Compensator]. Two defaults serve a compass: the
  *   heading's axis is `AUTO`, which does not flip when the phone is raised; and `useReportedHardIron` makes the
  *   system's own hard iron the first calibration where there is no other, so that the first reading has a heading, with
  *   a wide sigma. `railUt` is the source's [MagneticFieldSource.fullScaleUt] where the config has none
- * @param store where the calibration is kept from one launch to the next; null: nowhere. With a [SensorManagerSource] no reading waits for
- *   it: what it takes longer than 0.1 s to load is taken over when it comes, unless better was learned meanwhile
- * @param graceMs how long the sensors go on after the last collector has left, milliseconds, 0 or above: a screen that is
- *   turned comes back within it, and nothing has stopped. Default 5000
- * @param dispatcher where runs begin and end. Of a source that is no [SensorManagerSource] events are collected, samples compensated, and
- *   the store is called there too; one thread at a time is used
+ * @param store where the calibration is kept from one launch to the next; null: nowhere. No reading waits for it: what it takes longer
+ *   than 0.1 s to load is taken over when it comes, unless better was learned meanwhile
+ * @param grace how long the sensors go on after the last collector has left, 0 or above: a screen that is turned comes back within it, and
+ *   nothing has stopped. Default 5 s
  */
-public class Compass @JvmOverloads constructor(
+public class Compass internal constructor(
     private val source: MagneticFieldSource,
-    private val config: CompensationConfig = CompensationConfig(),
-    private val store: CalibrationStore? = null,
-    graceMs: Long = 5000,
-    private val dispatcher: CoroutineDispatcher = Dispatchers.Default,
+    private val config: CompensationConfig,
+    private val store: CalibrationStore?,
+    grace: Duration,
+    dispatcher: CoroutineDispatcher,
+    stores: CoroutineDispatcher = Dispatchers.IO,
 ) : AutoCloseable {
+    public constructor(
+        source: MagneticFieldSource,
+        config: CompensationConfig = CompensationConfig(),
+        store: CalibrationStore? = null,
+        grace: Duration = 5.seconds,
+    ) : this(source, config, store, grace, threadsOfItsOwn())
+
+    /** A compass of a source, for Java; [create] takes what else there is. */
+    public constructor(source: MagneticFieldSource) : this(source, CompensationConfig())
+
     /**
      * The phone's sensors, the calibration kept in the app's preferences ([PreferencesStore]).
      *
@@ -60,7 +76,7 @@ public class Compass @JvmOverloads constructor(
         this(SensorManagerSource(context, options), config, PreferencesStore(context))
 
     init {
-        require(graceMs >= 0) { "graceMs is $graceMs, expected 0 or above" }
+        require(grace >= Duration.ZERO) { "grace is $grace, expected 0 or above" }
     }
 
     private val frames = MutableStateFlow(config.headingFrame())
@@ -69,17 +85,20 @@ public class Compass @JvmOverloads constructor(
     @Volatile
     internal var kept: Estimation? = null
         private set
+    private val phone = source as? SensorManagerSource
+    private val handover = phone?.handover ?: Handover()
     private val shared = SharedReadings(
         dispatcher,
-        graceMs,
+        grace,
         onIdle = { kept?.end() },
         onEnd = { kept?.settled() },
-        nowNs = (source as? SensorManagerSource)?.continuousNs ?: System::nanoTime,
+        nowNs = phone?.continuousNs ?: System::nanoTime,
+        handover,
         ::run,
     )
 
-    /** Where the store is called, for the phone's sensors. */
-    private val stores by lazy { CoroutineScope(Dispatchers.IO + SupervisorJob()) }
+    /** Where the store is called. */
+    private val stores = CoroutineScope(stores + SupervisorJob())
 
     /**
      * The frame of the headings, whole. It may be set at any time from any thread; [axis], [screenRotation] and [declinationDeg]
@@ -136,30 +155,31 @@ public class Compass @JvmOverloads constructor(
     public fun headings(): Flow<CompassReading> = shared.collected(capacity = 1).map(::CompassReading)
 
     /**
-     * The same for a screen that asks for a `StateFlow`: the latest reading, or the error that has ended them. The sensors are used while
+     * The same for a screen that asks for a `StateFlow`: the latest reading, or that they have ended and why. The sensors are used while
      * anybody collects it, as with [headings]; [StateFlow.value] alone starts nothing. A second after the last collector has left it is
-     * empty again. After an error the next first collector begins anew.
+     * [CompassState.Waiting] again. After an error the next first collector begins anew; after [close] it stays at [CompassState.Ended].
      */
     public val state: StateFlow<CompassState> by lazy {
-        headings().map { CompassState(it) }
+        headings().map<CompassReading, CompassState> { CompassState.Live(it) }
+            .onCompletion { if (it == null) emit(CompassState.Ended(if (shared.isClosed) MagcompException.Closed() else null)) }
             // an Error, which nobody would catch, would end the app
-            .catch { emit(CompassState(error = it as? Exception ?: ExecutionException(it))) }
-            // the value is set where the reading is made
-            .stateIn(CoroutineScope(Dispatchers.Unconfined + SupervisorJob()), SharingStarted.WhileSubscribed(0, VALID_MS), CompassState())
+            .catch { emit(CompassState.Ended(it.asException())) }
+            // the thread that tells readings hands over; this scope ends with the compass, as nothing else holds it
+            .stateIn(CoroutineScope(Dispatchers.Unconfined + SupervisorJob()), SharingStarted.WhileSubscribed(0, VALID_MS), CompassState.Waiting)
     }
 
     /**
      * One heading, for who needs no more: the first reading that has one no less sure than asked for. When none came in time, the latest
      * reading, whose [CompassReading.text] says why, or null where there was none. An error of the source is thrown.
      *
-     * @param withinMs how long it may take, milliseconds, above 0
+     * @param within how long it may take, above 0
      * @param worstSigmaDeg the largest standard deviation that will do, degrees, above 0
      */
-    public suspend fun heading(withinMs: Long = 5000, worstSigmaDeg: Double = 180.0): CompassReading? {
-        require(withinMs > 0) { "withinMs is $withinMs, expected above 0" }
+    public suspend fun heading(within: Duration = 5.seconds, worstSigmaDeg: Double = 180.0): CompassReading? {
+        require(within > Duration.ZERO) { "within is $within, expected above 0" }
         require(worstSigmaDeg > 0) { "worstSigmaDeg is $worstSigmaDeg, expected above 0" }
         var latest: CompassReading? = null
-        val found = withTimeoutOrNull(withinMs) { headings().onEach { latest = it }.firstOrNull { (it.headingSigmaDeg ?: return@firstOrNull false) <= worstSigmaDeg } }
+        val found = withTimeoutOrNull(within) { headings().onEach { latest = it }.firstOrNull { (it.headingSigmaDeg ?: return@firstOrNull false) <= worstSigmaDeg } }
         return found ?: latest
     }
 
@@ -247,14 +267,11 @@ public class Compass @JvmOverloads constructor(
     private fun configOfSource() = if (config.railUt != null) config else config.copy(railUt = source.fullScaleUt)
 
     private suspend fun run(tell: (CompensatedReading) -> Unit) {
-        val sensors = source as? SensorManagerSource
-        val estimation = kept
-            ?: Estimation(configOfSource(), store, frames, source, unixTimeS, stores.takeIf { sensors != null }).also { kept = it }
+        val estimation = kept ?: Estimation(configOfSource(), store, frames, source, unixTimeS, stores).also { kept = it }
         try {
-            if (sensors == null) return source.samples().compensated(estimation, source.sensors, tell)
-            estimation.settled(LOAD_WAIT_NS, sensors.continuousNs)
+            estimation.settled(LOAD_WAIT_MS)
             try {
-                sensors.deliver(Estimated(estimation, tell))
+                source.deliver(Estimated(estimation, tell))
             } finally {
                 estimation.end()
             }
@@ -266,7 +283,7 @@ public class Compass @JvmOverloads constructor(
         }
     }
 
-    /** Estimates on the thread of the sensors. */
+    /** Estimates on the thread that delivers. */
     private class Estimated(private val estimation: Estimation, private val tell: (CompensatedReading) -> Unit) : EventTaker {
         init {
             estimation.begin()
@@ -277,8 +294,7 @@ public class Compass @JvmOverloads constructor(
         }
 
         override fun heard(sensors: SensorsInUse) {
-            // of the others the next sample tells
-            if (sensors.magnetometer.isSilent) tell(estimation.silent(sensors))
+            estimation.heard(sensors)?.let(tell)
         }
 
         override fun anotherClock() = estimation.anotherClock()
@@ -289,15 +305,30 @@ public class Compass @JvmOverloads constructor(
     /**
      * Readings for Java, each of them: [listener] is called on [executor], one call at a time, until the answer is closed. An
      * exception from the listener's `onReading` ends its readings, as every other error does, and goes to its `onEnd`.
-     *
-     * @return closing it ends the readings; a call under way is finished
      */
-    public fun start(executor: Executor, listener: CompassReadingListener): AutoCloseable =
-        Listening(executor, listener::onReading, listener::onEnd).start(readings())
+    public fun start(executor: Executor, listener: CompassReadingListener): CompassHandle =
+        listening(executor, { _, error -> listener.onEnd(error) }) {
+            shared.collected(MOST_WAITING, isBrief = true).collect { executor.call(handover) { listener.onReading(it) } }
+        }
 
     /** The same for a screen: one that is slower gets the latest reading alone. */
-    public fun start(executor: Executor, listener: HeadingListener): AutoCloseable =
-        Listening(executor, listener::onHeading, listener::onEnd).start(headings())
+    public fun start(executor: Executor, listener: HeadingListener): CompassHandle =
+        listening(executor, { _, error -> listener.onEnd(error) }) {
+            shared.collected(capacity = 1, isBrief = true).collect { executor.call(handover) { listener.onHeading(CompassReading(it)) } }
+        }
+
+    /**
+     * One heading for Java, as the other `heading`.
+     *
+     * @param withinMs how long it may take, milliseconds, above 0
+     * @param worstSigmaDeg the largest standard deviation that will do, degrees, above 0
+     */
+    public fun heading(withinMs: Long, worstSigmaDeg: Double, executor: Executor, callback: HeadingCallback): CompassHandle =
+        listening(executor, callback::onHeading) { heading(withinMs.milliseconds, worstSigmaDeg) }
+
+    /** Records for Java, as the other `record`, until the answer is closed, the source ends, or 100 MB are written. */
+    public fun record(file: File, executor: Executor, callback: RecordingCallback): CompassHandle =
+        listening(executor, { _, error -> callback.onEnd(file, error) }, isToldOfClosing = true) { record(file) }
 
     /**
      * Ends the readings of every collector, releases the sensors, saves the calibration and frees the estimator, in the background.
@@ -316,6 +347,15 @@ public class Compass @JvmOverloads constructor(
         public const val MOST_WAITING: Int = 8192
 
         /**
+         * A compass for Java, whose constructors can't take a `Duration`.
+         *
+         * @param graceMs how long the sensors go on after the last listener has left, milliseconds, 0 or above
+         */
+        @JvmStatic
+        public fun create(source: MagneticFieldSource, config: CompensationConfig, store: CalibrationStore?, graceMs: Long): Compass =
+            Compass(source, config, store, graceMs.milliseconds)
+
+        /**
          * Begins to load the native library, which the first call would else wait for, and returns at once: 0.1 s of a processor or more.
          * Any thread may call it, the main thread too, as often as it likes. What goes wrong is told by the first call.
          */
@@ -327,7 +367,19 @@ public class Compass @JvmOverloads constructor(
         private val NO_SENSORS: StateFlow<SensorsInUse?> = MutableStateFlow(null)
 
         /** How long a run waits for a store before it goes on without. */
-        private const val LOAD_WAIT_NS = 100_000_000L
+        private const val LOAD_WAIT_MS = 100L
+
+        /** How long a thread of a compass waits for more work before it ends, s. */
+        private const val IDLE_S = 5L
+
+        /**
+         * Runs begin and end there, so that no other work of the app holds them up. A source that never waits takes one thread, and the other
+         * ends it.
+         */
+        private fun threadsOfItsOwn(): CoroutineDispatcher =
+            ThreadPoolExecutor(2, 2, IDLE_S, TimeUnit.SECONDS, LinkedBlockingQueue()) { Thread(it, "magcomp compass").apply { isDaemon = true } }
+                .apply { allowCoreThreadTimeOut(true) }
+                .asCoroutineDispatcher()
 
         /** How long the value of [state] is kept after its last collector. */
         private const val VALID_MS = 1000L

@@ -52,10 +52,34 @@ public class CompassReading internal constructor(public val details: Compensated
         "CompassReading(headingDeg=$headingDeg, headingSigmaDeg=$headingSigmaDeg, trueHeadingDeg=$trueHeadingDeg, status=$status)"
 }
 
-/**
- * What a screen shows ([Compass.state]).
- *
- * @property reading the latest; null before the first
- * @property error what has ended the readings, such as a missing magnetometer
- */
-public class CompassState @JvmOverloads constructor(public val reading: CompassReading? = null, public val error: Exception? = null)
+/** What a screen shows ([Compass.state]). */
+public sealed class CompassState {
+    /** No reading has come yet. */
+    public data object Waiting : CompassState()
+
+    /**
+     * Readings come.
+     *
+     * @property reading the latest
+     */
+    public class Live(public val reading: CompassReading) : CompassState() {
+        /** Whether the other one has the same reading. */
+        override fun equals(other: Any?): Boolean = other is Live && reading == other.reading
+
+        /** That of the reading. */
+        override fun hashCode(): Int = reading.hashCode()
+
+        /** For logs. */
+        override fun toString(): String = "Live($reading)"
+    }
+
+    /**
+     * No more readings come.
+     *
+     * @property error why, such as a missing magnetometer, or [MagcompException.Closed]; null: the source has ended
+     */
+    public class Ended(public val error: Exception?) : CompassState() {
+        /** For logs. */
+        override fun toString(): String = "Ended($error)"
+    }
+}

@@ -1,16 +1,5 @@
 package org.magcomp
 
-import kotlinx.coroutines.CoroutineDispatcher
-import kotlinx.coroutines.Dispatchers
-import kotlinx.coroutines.coroutineScope
-import kotlinx.coroutines.currentCoroutineContext
-import kotlinx.coroutines.ensureActive
-import kotlinx.coroutines.flow.Flow
-import kotlinx.coroutines.flow.StateFlow
-import kotlinx.coroutines.flow.emitAll
-import kotlinx.coroutines.flow.flow
-import kotlinx.coroutines.launch
-
 /**
  * The answer to one magnetometer sample, as collectors get it. It never changes.
  *
@@ -82,59 +71,3 @@ public class CompensatedReading internal constructor(
     override fun toString(): String = "CompensatedReading(reading=$reading, sample=$sample, unseenDirections=$unseenDirections, " +
         "droppedBefore=$droppedBefore, sensors=$sensors, storeError=$storeError, headingAid=$headingAid, stream=$stream)"
 }
-
-/**
- * Compensates a stream of sensor events: one reading for every magnetometer sample.
- *
- * Every collector has its own [Compensator], fed on [dispatcher], so a slow collector never holds it up: between
- * them a buffer drops the oldest reading and counts it. [Compass] has one for all its collectors.
- *
- * @param config a field left out has the library's default
- * @param store where the calibration is kept from one launch to the next; null: nowhere
- * @param frame the heading frame in force at each moment; null: the config's
- * @param capacity readings kept for a slow collector, at least 1
- * @param dispatcher where events are collected, samples compensated, and the store is called
- */
-public fun Flow<SensorSample>.compensated(
-    config: CompensationConfig = CompensationConfig(),
-    store: CalibrationStore? = null,
-    frame: StateFlow<HeadingFrame>? = null,
-    capacity: Int = CAPACITY,
-    dispatcher: CoroutineDispatcher = Dispatchers.Default,
-): Flow<CompensatedReading> {
-    require(capacity >= 1) { "capacity is $capacity, expected at least 1" }
-    val samples = this
-    return flow {
-        val own = SharedReadings(dispatcher, graceMs = 0) { tell ->
-            Estimation(config, store, frame).use { samples.compensated(it, sensors = null, tell) }
-        }
-        emitAll(own.collected(capacity))
-    }
-}
-
-/** One run of an estimation that goes on after it. [sensors] are those of the source, where it knows them. */
-internal suspend fun Flow<SensorSample>.compensated(
-    estimation: Estimation,
-    sensors: StateFlow<SensorsInUse?>?,
-    tell: (CompensatedReading) -> Unit,
-): Unit = coroutineScope {
-    val raw = RawEvent()
-    estimation.begin()
-    // what does not come can't say so: who knows the sensors does
-    val silences = sensors?.let { told ->
-        launch { told.collect { if (it?.magnetometer?.isSilent == true) synchronized(estimation) { tell(estimation.silent(it)) } } }
-    }
-    try {
-        collect {
-            currentCoroutineContext().ensureActive()
-            raw.set(it)
-            synchronized(estimation) { estimation.push(raw)?.let(tell) }
-        }
-    } finally {
-        silences?.cancel()
-        estimation.end()
-    }
-}
-
-/** Readings that [compensated] keeps for a slow collector. */
-internal const val CAPACITY: Int = 64

@@ -7,15 +7,15 @@ import kotlinx.coroutines.flow.StateFlow
 /**
  * A compensator with what surrounds it: a store, a heading frame, guidance. One thread at a time, but for [save].
  *
- * @param stores where the store is called, so that no reading waits for it; null: where the readings are made
+ * @param stores where the store is called, so that no reading waits for it
  */
 internal class Estimation(
     config: CompensationConfig,
     store: CalibrationStore?,
-    private val frame: StateFlow<HeadingFrame>? = null,
-    private val source: MagneticFieldSource? = null,
-    private val unixTimeS: () -> Long = ::systemUnixTimeS,
-    stores: CoroutineScope? = null,
+    private val frame: StateFlow<HeadingFrame>,
+    private val source: MagneticFieldSource,
+    private val unixTimeS: () -> Long,
+    stores: CoroutineScope,
 ) : AutoCloseable {
     val compensator = Compensator(config)
     private val buffer = ReadingBuffer()
@@ -31,7 +31,7 @@ internal class Estimation(
 
     /** When the latest run ended, seconds since 1970. */
     private var endedS: Long? = null
-    private var hiddenS = source?.hiddenS ?: 0.0
+    private var hiddenS = source.hiddenS
 
     private val keeping = store?.let { Keeping<Correction>(it, stores) }
 
@@ -44,7 +44,7 @@ internal class Estimation(
     private var begun = false
     private val vertical = Vertical()
 
-    /** The latest sensors in use and what is told of them, which is asked again when they are others. */
+    /** The latest sensors in use, where the source knows them, and what is told of them. */
     private var sensors: SensorsInUse? = null
     private var stream: StreamStatus = StreamStatus.Live
 
@@ -63,6 +63,8 @@ internal class Estimation(
     /** Events of a new run follow: of a source whose times begin again, or of one that goes on. */
     fun begin() {
         begun = true
+        sensors = null
+        stream = StreamStatus.Live
         vertical.begin()
     }
 
@@ -91,21 +93,23 @@ internal class Estimation(
     /** Help from outside, from any thread; whether it was taken. */
     fun aid(push: Compensator.() -> Boolean): Boolean = compensator.push().also { if (it) isAided = true }
 
-    /** A reading of no sample, where sensors are silent: it has no field, no heading, no attitude. */
-    fun silent(sensors: SensorsInUse): CompensatedReading {
-        val answer = Answer.ofNothing(buffer, latestNs)
-        return CompensatedReading(answer, unseen, droppedBefore = 0, sensors, storeError(), headingAid, sensors.stream())
+    /**
+     * The sensors in use are these. Where the magnetometer is silent now, and this is news, a reading of no sample: it has no field, no heading,
+     * no attitude. Of the other sensors the next sample tells.
+     */
+    fun heard(now: SensorsInUse): CompensatedReading? {
+        val before = stream
+        sensors = now
+        stream = now.stream()
+        if (!now.magnetometer.isSilent || stream == before) return null
+        return CompensatedReading(Answer.ofNothing(buffer, latestNs), unseen, droppedBefore = 0, now, storeError(), headingAid, stream)
     }
 
-    /** Waits until the store has done what it was asked for. */
-    suspend fun settled() {
-        keeping?.settled()
+    /** Waits until the store has done what it was asked for, no longer than so many milliseconds. */
+    suspend fun settled(atMostMs: Long = Long.MAX_VALUE) {
+        keeping?.settled(atMostMs)
     }
 
-    /** The same, no longer than so many nanoseconds of a clock. */
-    suspend fun settled(atMostNs: Long, nowNs: () -> Long) {
-        keeping?.settled(atMostNs, nowNs)
-    }
 
     private fun storeError(): Exception? = keptError ?: keeping?.error
 
@@ -141,7 +145,7 @@ internal class Estimation(
 
     /** The phone slept, and the events' times do not show it. */
     private fun noteSleep() {
-        val now = source?.hiddenS ?: return
+        val now = source.hiddenS
         if (now == hiddenS) return
         compensator.pushGap(now - hiddenS)
         hiddenS = now
@@ -149,17 +153,12 @@ internal class Estimation(
 
     private fun magnetic(sample: RawEvent): CompensatedReading {
         takeLoaded()
-        val wanted = frame?.value
-        if (wanted != null && wanted != currentFrame) {
+        val wanted = frame.value
+        if (wanted != currentFrame) {
             compensator.setHeadingFrame(wanted)
             currentFrame = wanted
         }
         noteSleep()
-        val now = source?.sensors?.value
-        if (now !== sensors) {
-            sensors = now
-            stream = now?.stream() ?: StreamStatus.Live
-        }
         val reported = sample.reported?.takeIf { isBelieved() }
         if (reported == null) {
             compensator.push(sample.timeNs, sample.x, sample.y, sample.z, buffer)
@@ -175,7 +174,7 @@ internal class Estimation(
             vertical.magnetic(sample.timeNs)
         }
         val told = if (stream == StreamStatus.Live && vertical.isMissing && buffer.attitudeW.isNaN()) StreamStatus.NoVertical else stream
-        return CompensatedReading(answer, unseen, droppedBefore = 0, now, storeError(), headingAid, told)
+        return CompensatedReading(answer, unseen, droppedBefore = 0, sensors, storeError(), headingAid, told)
     }
 
     /** Beside a calibration that was kept or given the system's hard iron is listened to only where the system itself is sure of it. */

@@ -1,17 +1,19 @@
 package org.magcomp
 
+import java.util.concurrent.ExecutionException
 import kotlinx.coroutines.CoroutineScope
+import kotlinx.coroutines.CoroutineStart
 import kotlinx.coroutines.Job
 import kotlinx.coroutines.launch
 import kotlinx.coroutines.withTimeoutOrNull
 
 /**
- * Calls a store, one call at a time, and knows what it said. With a [scope] its calls are there, and nobody waits for them who does not ask
- * to; without, they are where they are asked for.
+ * Calls a store, one call at a time, and knows what it said. Nobody waits for its calls who does not ask to.
  *
- * @param T what tells two texts apart
+ * @param T tells two texts apart
+ * @param scope where the store is called
  */
-internal class Keeping<T : Any>(private val store: CalibrationStore, private val scope: CoroutineScope?) {
+internal class Keeping<T : Any>(private val store: CalibrationStore, private val scope: CoroutineScope) {
     /** What the store keeps, as far as it is known. */
     @Volatile
     var kept: T? = null
@@ -37,32 +39,33 @@ internal class Keeping<T : Any>(private val store: CalibrationStore, private val
         kept = of
     }
 
-    /** Waits for all calls so far, no longer than so many nanoseconds of a clock. */
-    suspend fun settled(atMostNs: Long = Long.MAX_VALUE, nowNs: () -> Long = System::nanoTime) {
+    /** Waits for all calls so far, no longer than so many milliseconds. */
+    suspend fun settled(atMostMs: Long = Long.MAX_VALUE) {
         val all = synchronized(this) { latest } ?: return
-        val beganNs = nowNs()
-        while (all.isActive && nowNs() - beganNs < atMostNs) withTimeoutOrNull(LOOK_AGAIN_MS) { all.join() }
+        withTimeoutOrNull(atMostMs) { all.join() }
     }
 
     private fun call(what: () -> Unit) {
-        if (scope == null) return told(what)
-        synchronized(this) {
-            val before = latest
-            latest = scope.launch {
-                before?.join()
-                told(what)
-            }
+        val before = synchronized(this) { latest }
+        val job = scope.launch(start = CoroutineStart.LAZY) {
+            before?.join()
+            told(what)
+        }
+        synchronized(this) { latest = job }
+        // outside: the store may be called in it
+        job.start()
+    }
+
+    /** Whatever a store throws: nobody above would hear of it before the app ended. */
+    private fun told(what: () -> Unit) {
+        error = try {
+            what()
+            null
+        } catch (e: Throwable) {
+            e.asException()
         }
     }
-
-    private fun told(what: () -> Unit) = try {
-        what()
-        error = null
-    } catch (e: Exception) {
-        error = e
-    }
-
-    private companion object {
-        const val LOOK_AGAIN_MS = 20L
-    }
 }
+
+/** The same, or that it was the cause: for whom an [Error] would end. */
+internal fun Throwable.asException(): Exception = this as? Exception ?: ExecutionException(this)

@@ -1,7 +1,12 @@
 package org.magcomp
 
+import kotlinx.coroutines.CoroutineStart
+import kotlinx.coroutines.coroutineScope
+import kotlinx.coroutines.currentCoroutineContext
+import kotlinx.coroutines.ensureActive
 import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.StateFlow
+import kotlinx.coroutines.launch
 
 /** Where events come from: a phone's sensors ([SensorManagerSource]), a recording ([RecordingSource]), or your own. */
 public interface MagneticFieldSource {
@@ -28,4 +33,30 @@ public interface MagneticFieldSource {
 
     /** The time that this source's events have when `SystemClock.elapsedRealtimeNanos()` is [elapsedRealtimeNs], for [Compass.aid]. */
     public fun eventTimeNs(elapsedRealtimeNs: Long): Long = elapsedRealtimeNs
+}
+
+/** Gives a taker the events until they end, or their error: on the sensors' thread those of a phone, those of another source where this is called. */
+internal suspend fun MagneticFieldSource.deliver(taker: EventTaker) {
+    if (this is SensorManagerSource) deliverOnTheirThread(taker)
+    val source = this
+    coroutineScope {
+        var known: SensorsInUse? = null
+        // one at a time, whichever thread it is on
+        fun hear() = synchronized(taker) {
+            val now = source.sensors?.value
+            if (now == null || now === known) return@synchronized
+            known = now
+            taker.heard(now)
+        }
+        // what does not come can't say so: who knows the sensors does
+        val hearing = source.sensors?.let { told -> launch(start = CoroutineStart.UNDISPATCHED) { told.collect { hear() } } }
+        val raw = RawEvent()
+        samples().collect {
+            currentCoroutineContext().ensureActive()
+            hear()
+            raw.set(it)
+            synchronized(taker) { taker.take(raw) }
+        }
+        hearing?.cancel()
+    }
 }

@@ -5,6 +5,9 @@ internal class RawEvent {
     /** [ROTATION_RATE], [UP] or [MAGNETIC]. */
     var kind = 0
     var timeNs = 0L
+
+    /** The sensor's own time, where [timeNs] is brought to another clock. */
+    var ownNs = 0L
     var x = 0.0
     var y = 0.0
     var z = 0.0
@@ -12,13 +15,22 @@ internal class RawEvent {
     /** Of a magnetometer the operating system's own hard iron. */
     var reported: DeviceVector? = null
 
-    fun set(kind: Int, timeNs: Long, x: Double, y: Double, z: Double, reported: DeviceVector? = null) {
+    /** What the system said last of a magnetometer. */
+    var accuracy = SensorAccuracy.UNKNOWN
+
+    fun set(kind: Int, timeNs: Long, x: Double, y: Double, z: Double, reported: DeviceVector? = null, ownNs: Long = timeNs) {
         this.kind = kind
         this.timeNs = timeNs
+        this.ownNs = ownNs
         this.x = x
         this.y = y
         this.z = z
         this.reported = reported
+    }
+
+    fun copy() = RawEvent().also {
+        it.set(kind, timeNs, x, y, z, reported, ownNs)
+        it.accuracy = accuracy
     }
 
     fun set(event: SensorSample) = when (event) {

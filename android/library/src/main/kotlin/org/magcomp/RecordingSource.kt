@@ -21,7 +21,7 @@ public class RecordingException(public val name: String, public val line: Int, p
 /**
  * A recording as CSV, for tests and demos: `t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz]` in any order, seconds, microtesla,
  * m/s^2 (pointing up at rest), rad/s; other columns are ignored. Every row is a gyroscope event, an `up` event and a magnetometer event, in this order, as far as it has them: a row
- * may leave all three cells of a sensor empty. What [record] and `magcomp import` write is such a recording.
+ * may leave all three cells of a sensor empty. A cell may stand in quotation marks. What [record] and `magcomp import` write is such a recording.
  *
  * Collecting does not wait between rows and fails with [RecordingException] where the recording is not in order, and with
  * [java.io.IOException] when its file can't be read.
@@ -65,7 +65,7 @@ public class RecordingSource(private val name: String, private val open: () -> R
         }
 
         fun row(line: String, number: Int): Row {
-            val cells = line.split(',')
+            val cells = cellsOf(line)
             if (cells.size != names.size) {
                 throw RecordingException(name, number, null, "${cells.size} cells, expected ${names.size}")
             }
@@ -98,6 +98,22 @@ public class RecordingSource(private val name: String, private val open: () -> R
     }
 
     private companion object {
+        /** A cell in quotation marks, in which one that is meant stands twice, or any other. */
+        val CELL = Regex("\"((?:[^\"]|\"\")*)\"(?=,|$)|[^,]*")
+
+        /** One more cell begins behind every comma. */
+        fun cellsOf(line: String): List<String> {
+            if ('"' !in line) return line.split(',')
+            val cells = ArrayList<String>()
+            var at = 0
+            while (at <= line.length) {
+                val cell = CELL.find(line, at)!!
+                cells += cell.groups[1]?.value?.replace("\"\"", "\"") ?: cell.value
+                at = cell.range.last + 2
+            }
+            return cells
+        }
+
         /** Times beyond this do not fit 64-bit nanoseconds. */
         const val LARGEST_TIME_S = 9e9
 

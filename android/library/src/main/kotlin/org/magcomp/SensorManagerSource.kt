@@ -12,6 +12,7 @@ import kotlinx.coroutines.flow.MutableStateFlow
 import kotlinx.coroutines.flow.StateFlow
 import kotlinx.coroutines.flow.asStateFlow
 import kotlinx.coroutines.flow.flow
+import kotlinx.coroutines.flow.map
 
 /**
  * The phone's own sensors: the uncalibrated magnetometer (the calibrated one where there is no other), gravity (else
@@ -28,6 +29,7 @@ public class SensorManagerSource internal constructor(
     private val manager: SensorManager,
     private val options: SensorOptions,
     internal val continuousNs: () -> Long,
+    internal val handover: Handover = Handover(),
     private val above200Hz: () -> Boolean,
 ) : MagneticFieldSource {
 
@@ -57,26 +59,30 @@ public class SensorManagerSource internal constructor(
     /** The same for most phones. */
     override fun eventTimeNs(elapsedRealtimeNs: Long): Long = elapsedRealtimeNs - sleep.behindNs
 
-    private val lock = Any()
-
-    /** While anyone takes its events; within [lock]. */
+    /** While anyone takes its events; within the lock of this source, in which nobody else's code is called. */
     private var run: SensorRun? = null
+
+    /** The longest from one event to the next of any sensor that has the same clock, ns. */
+    internal val mostBetweenNs: Long get() = 1000L * options.maxReportLatencyUs + 1_000_000_000L / options.slowestHz + Clocks.SAME_NS.toLong()
 
     /**
      * As of every source. A collector that takes none for a minute gets [SensorException.NotTaken] after those that have waited.
      */
-    override fun samples(): Flow<SensorSample> = flow {
-        val inbox = Inbox(most = EVENTS_OF_A_MINUTE * options.fastestHz)
+    override fun samples(): Flow<SensorSample> = events().map { it.toSample() }
+
+    /** The same with each sensor's own times. [hear] gets the sensors in use before the first event. */
+    internal fun events(hear: (SensorsInUse) -> Unit = {}): Flow<RawEvent> = flow {
+        val inbox = Inbox(most = EVENTS_OF_A_MINUTE * options.fastestHz, handover, hear)
         join(inbox)
         try {
-            for (sample in inbox.samples) emit(sample)
+            inbox.each(::emit)
         } finally {
             leave(inbox)
         }
     }
 
     /** Gives a taker the events until it is cancelled, or until the taker has failed, with its error. */
-    internal suspend fun deliver(taker: EventTaker): Nothing {
+    internal suspend fun deliverOnTheirThread(taker: EventTaker): Nothing {
         val failure = CompletableDeferred<Throwable>()
         val guarded = object : EventTaker by taker {
             override fun failed(error: Throwable) {
@@ -92,18 +98,18 @@ public class SensorManagerSource internal constructor(
         }
     }
 
-    private fun join(taker: EventTaker) = synchronized(lock) {
+    @Synchronized
+    private fun join(taker: EventTaker) {
         val run = run ?: begun().also { run = it }
         run.add(taker)
     }
 
+    @Synchronized
     private fun leave(taker: EventTaker) {
-        synchronized(lock) {
-            val run = run ?: return
-            if (!run.remove(taker)) {
-                this.run = null
-                run.end()
-            }
+        val run = run ?: return
+        if (!run.remove(taker)) {
+            this.run = null
+            run.end()
         }
     }
 
@@ -117,7 +123,7 @@ public class SensorManagerSource internal constructor(
             gyroscope == null -> "this phone has no gyroscope"
             else -> null
         }
-        return SensorRun(manager, options, lock, inUse, sleep, continuousNs).apply { start(magnetometer, up, gyroscope, without) }
+        return SensorRun(manager, options, inUse, sleep, handover, continuousNs).apply { start(magnetometer, up, gyroscope, without) }
     }
 
     private fun magnetometer(): Sensor? = manager.getDefaultSensor(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED)

@@ -5,37 +5,48 @@ import android.hardware.SensorEvent
 import android.hardware.SensorEventListener
 import android.hardware.SensorManager
 import kotlinx.coroutines.flow.MutableStateFlow
+import kotlinx.coroutines.flow.update
+import kotlinx.coroutines.flow.updateAndGet
 
-/** Who gets the events of a run: on the thread of the sensors, one call at a time. */
+/** Gets the events of a run: one call at a time, on the sensors' thread. */
 internal interface EventTaker {
     /** An event whose turn it is. The object is used again when this returns. */
     fun take(event: RawEvent)
 
-    /** Another sensor is silent now, or one has spoken again. */
+    /** The sensors in use: before the first event, on the thread of who joins, and whenever they are others. */
     fun heard(sensors: SensorsInUse) = Unit
 
     /** The events before this were out of step: a sensor's clock is another one than was thought. */
     fun anotherClock() = Unit
 
-    /** What one of the calls threw; none follows. */
+    /** One of the calls threw this; none follows. */
     fun failed(error: Throwable)
 }
 
 /**
- * The sensors from the first collector of a source to the last: each is registered once, and every event goes to all who take part. What is
- * known of the sensors belongs to it. All of it is used within [lock].
+ * The sensors from the first user of a source to the last: each is registered once, and every event goes to all who take part. No lock is
+ * held while a taker is called, but that of its own seat.
  */
 internal class SensorRun(
     private val manager: SensorManager,
     private val options: SensorOptions,
-    private val lock: Any,
     private val told: MutableStateFlow<SensorsInUse?>,
     private val sleep: Sleep,
+    private val handover: Handover,
     private val continuousNs: () -> Long,
 ) {
     private val thread = SensorThread()
     private val listener = Listener()
-    private var takers = emptyArray<EventTaker>()
+
+    /** The array is replaced, never changed. */
+    @Volatile
+    private var seats = emptyArray<Seat>()
+    private val sensors = MutableStateFlow<SensorsInUse?>(null)
+
+    @Volatile
+    private var hasEnded = false
+
+    // from here on to the last: of the sensors' thread alone
     private val order = object : EventOrder<RawEvent>(options.heldS) {
         override fun timeNs(event: RawEvent) = event.timeNs
 
@@ -46,7 +57,7 @@ internal class SensorRun(
     // as many as ever wait, which the order bounds
     private val free = ArrayDeque<RawEvent>()
     private val release: (RawEvent) -> Unit = {
-        for (taker in takers) call(taker) { take(it) }
+        for (seat in seats) seat.call { take(it) }
         free.addLast(it)
     }
 
@@ -54,56 +65,75 @@ internal class SensorRun(
     private val events = IntArray(TYPES)
     private val heard = IntArray(TYPES)
     private val looks = IntArray(TYPES)
-    private var sensors: SensorsInUse? = null
+
+    /** A taker among those of a run. Once it is left nothing is called: [leave] waits for the call that is under way. */
+    private inner class Seat(val taker: EventTaker) {
+        private var isLeft = false
+
+        @Synchronized
+        fun leave() {
+            isLeft = true
+        }
+
+        /** An exception here would end the app. */
+        inline fun call(what: EventTaker.() -> Unit): Unit = synchronized(this) {
+            if (isLeft) return
+            try {
+                taker.what()
+            } catch (e: Throwable) {
+                isLeft = true
+                remove(taker)
+                taker.failed(e)
+            }
+        }
+    }
 
     /** Registers the sensors. Where it throws, none is left registered. */
     fun start(magnetometer: Sensor, up: Sensor?, gyroscope: Sensor?, withoutGyroscope: String?) {
         try {
             // before the first event
-            tell(SensorsInUse(used(magnetometer), up?.let(::used), gyroscope?.let(::used), withoutGyroscope))
+            sensors.value = SensorsInUse(used(magnetometer), up?.let(::used), gyroscope?.let(::used), withoutGyroscope)
             register(magnetometer)
             up?.let(::register)
             try {
                 gyroscope?.let(::register)
             } catch (e: SensorException.Refused) {
-                tell(sensors!!.copy(gyroscope = null, withoutGyroscope = e.message))
+                sensors.update { it!!.copy(gyroscope = null, withoutGyroscope = e.message) }
             }
         } catch (e: SensorException) {
             end()
             throw e
         }
         thread.every((SILENCE_MS + options.maxReportLatencyUs / 1000 + 1000 / options.slowestHz) / LOOKS) {
-            synchronized(lock) { if (takers.isNotEmpty()) look() }
+            if (seats.isNotEmpty()) look()
         }
+        publish()
     }
 
     fun end() {
+        hasEnded = true
         manager.unregisterListener(listener)
         thread.end()
     }
 
     fun add(taker: EventTaker) {
-        takers += taker
+        val seat = Seat(taker)
+        // its first event waits until it has heard of the sensors
+        synchronized(seat) {
+            synchronized(this) { seats += seat }
+            taker.heard(sensors.value!!)
+        }
     }
 
-    /** Whether anyone is left. */
+    /** Whether anyone is left. When this returns the taker is called no more, unless one of its own calls asked for it. */
     fun remove(taker: EventTaker): Boolean {
-        takers = takers.filter { it !== taker }.toTypedArray()
-        return takers.isNotEmpty()
+        val (left, others) = synchronized(this) { seats.partition { it.taker === taker }.also { seats = it.second.toTypedArray() } }
+        left.forEach { it.leave() }
+        return others.isNotEmpty()
     }
 
-    /** An exception here would end the app. */
-    private inline fun call(taker: EventTaker, what: EventTaker.() -> Unit) = try {
-        taker.what()
-    } catch (e: Throwable) {
-        remove(taker)
-        taker.failed(e)
-    }
-
-    private fun tell(now: SensorsInUse) {
-        sensors = now
-        told.value = now
-    }
+    /** Tells the app, which may run code of its own when it hears of it. Two of these may overtake one another. */
+    private fun publish() = handover.executor.execute { told.update { if (hasEnded) it else sensors.value } }
 
     private fun register(sensor: Sensor) {
         val rateHz = options.rateHz(sensor.type)
@@ -122,26 +152,30 @@ internal class SensorRun(
 
     /** Looks which sensors have delivered nothing since the look before, and tells who has been silent for so many. */
     private fun look() {
-        val before = sensors!!
+        val before = sensors.value!!
         val used = setOf(before.magnetometer.type, before.up?.type, before.gyroscope?.type)
         for (type in 0 until TYPES) {
             looks[type] = if (type in used && events[type] == heard[type]) looks[type] + 1 else 0
             heard[type] = events[type]
         }
-        hear(before.with { if (it.isSilent == (looks[it.type] >= LOOKS)) it else it.copy(isSilent = !it.isSilent) })
+        hear { if (it.isSilent == (looks[it.type] >= LOOKS)) it else it.copy(isSilent = !it.isSilent) }
         replaceGravity()
     }
 
     /** What was found of the sensors, where it is news. */
-    private fun hear(now: SensorsInUse) {
-        if (now == sensors) return
-        tell(now)
-        for (taker in takers) call(taker) { heard(now) }
+    private fun hear(change: (UsedSensor) -> UsedSensor) = hearAll { it.with(change) }
+
+    private fun hearAll(change: (SensorsInUse) -> SensorsInUse) {
+        val before = sensors.value!!
+        val now = sensors.updateAndGet { change(it!!) }!!
+        if (now == before) return
+        publish()
+        for (seat in seats) seat.call { heard(now) }
     }
 
     /** The accelerometer for gravity where that is silent and another sensor is not; all are while the app is in the background. */
     private fun replaceGravity() {
-        val now = sensors!!
+        val now = sensors.value!!
         val gravity = now.up?.takeIf { it.type == Sensor.TYPE_GRAVITY && it.isSilent } ?: return
         if (now.magnetometer.isSilent && now.gyroscope?.isSilent != false) return
         val accelerometer = manager.getDefaultSensor(Sensor.TYPE_ACCELEROMETER) ?: return
@@ -152,14 +186,14 @@ internal class SensorRun(
             return
         }
         manager.unregisterListener(listener, manager.getDefaultSensor(gravity.type))
-        hear(now.copy(up = used(accelerometer)))
+        hearAll { it.copy(up = used(accelerometer)) }
     }
 
     /** Copies an event at once: Android uses it again for the next. */
     private inner class Listener : SensorEventListener {
         private var bias: DeviceVector? = null
 
-        override fun onSensorChanged(event: SensorEvent): Unit = synchronized(lock) {
+        override fun onSensorChanged(event: SensorEvent) {
             val v = event.values
             val type = event.sensor.type
             // an exception here would end the app; so it counts as none, and its sensor as silent
@@ -171,22 +205,23 @@ internal class SensorRun(
                 else -> return
             }
             // that of gravity which came before the accelerometer took over is none of the one in use
-            if (kind == RawEvent.UP && type != sensors?.up?.type) return
+            if (kind == RawEvent.UP && type != sensors.value!!.up?.type) return
             events[type] += 1
             if (looks[type] >= LOOKS) {
                 looks[type] = 0
-                hear(sensors!!.with { if (it.type == type) it.copy(isSilent = false) else it })
+                hear { if (it.type == type) it.copy(isSilent = false) else it }
             }
             val nowNs = continuousNs()
             if (kind == RawEvent.MAGNETIC) sleep.see(event.timestamp, nowNs)
             val timeNs = clocks.magnetometersNs(kind, event.timestamp, nowNs)
             if (clocks.hasChanged) {
                 order.flush(release)
-                for (taker in takers) call(taker) { anotherClock() }
+                for (seat in seats) seat.call { anotherClock() }
             }
             val reported = if (type == Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED && v.size >= 6) bias(v) else null
             val raw = free.removeLastOrNull() ?: RawEvent()
-            raw.set(kind, timeNs, v[0].toDouble(), v[1].toDouble(), v[2].toDouble(), reported)
+            raw.set(kind, timeNs, v[0].toDouble(), v[1].toDouble(), v[2].toDouble(), reported, event.timestamp)
+            if (kind == RawEvent.MAGNETIC) raw.accuracy = sensors.value!!.magnetometer.accuracy
             order.push(raw, release)
         }
 
@@ -197,10 +232,7 @@ internal class SensorRun(
             return DeviceVector(v[3].toDouble(), v[4].toDouble(), v[5].toDouble()).also { bias = it }
         }
 
-        override fun onAccuracyChanged(sensor: Sensor?, accuracy: Int): Unit = synchronized(lock) {
-            val now = sensors ?: return
-            tell(now.with { if (it.type == sensor?.type) it.copy(accuracy = accuracyOf(accuracy)) else it })
-        }
+        override fun onAccuracyChanged(sensor: Sensor?, accuracy: Int) = hear { if (it.type == sensor?.type) it.copy(accuracy = accuracyOf(accuracy)) else it }
     }
 
     private companion object {

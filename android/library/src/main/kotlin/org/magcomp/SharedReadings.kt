@@ -1,6 +1,6 @@
 package org.magcomp
 
-import java.util.concurrent.RejectedExecutionException
+import kotlin.time.Duration
 import kotlinx.coroutines.CoroutineDispatcher
 import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.CoroutineStart
@@ -25,7 +25,8 @@ import kotlinx.coroutines.withContext
  * error or end reaches every collector after the readings before it; the next collector begins a new run.
  *
  * @param dispatcher where runs begin and end
- * @param graceMs the grace time, milliseconds
+ * @param handover takes collectors off the thread that tells readings
+ * @param grace the grace time
  * @param onIdle called on the dispatcher when its last collector leaves
  * @param onEnd called after a run; the next one does not wait for it, whoever has left does
  * @param nowNs a clock that counts sleep, nanoseconds
@@ -33,10 +34,11 @@ import kotlinx.coroutines.withContext
  */
 internal class SharedReadings(
     dispatcher: CoroutineDispatcher,
-    private val graceMs: Long,
+    private val grace: Duration,
     private val onIdle: () -> Unit = {},
     private val onEnd: suspend () -> Unit = {},
     private val nowNs: () -> Long = System::nanoTime,
+    private val handover: Handover = Handover(),
     private val readings: suspend (tell: (CompensatedReading) -> Unit) -> Unit,
 ) {
     private val scope = CoroutineScope(dispatcher + SupervisorJob())
@@ -80,7 +82,7 @@ internal class SharedReadings(
             end(error)
             withContext(NonCancellable) { onEnd() }
         }.apply {
-            // where the dispatcher takes nothing more, a run ends without a line of it
+            // one that is closed before it has begun ends without a line of it
             invokeOnCompletion { end(it) }
         }
 
@@ -97,13 +99,13 @@ internal class SharedReadings(
         }
 
         private fun tell(reading: CompensatedReading) {
+            handover.isDelivering()
             val now = synchronized(this) {
                 reading.number = number++
                 latest = reading
                 latestAtNs = nowNs()
                 boxes
             }
-            // outside: a collector may run in it
             for (box in now) box.trySend(reading)
         }
 
@@ -123,8 +125,11 @@ internal class SharedReadings(
         fun leave() = synchronized(this@SharedReadings) { if (current === this) current = null }
     }
 
-    /** @param capacity readings kept for a slow collector; it loses the oldest, counted */
-    fun collected(capacity: Int): Flow<CompensatedReading> = flow {
+    /**
+     * @param capacity readings kept for a slow collector; it loses the oldest, counted
+     * @param isBrief whether what is collected takes no time where it runs, so that it may run where readings are told
+     */
+    fun collected(capacity: Int, isBrief: Boolean = false): Flow<CompensatedReading> = flow {
         val box = join(capacity)
         try {
             box.run.job.start()
@@ -132,6 +137,7 @@ internal class SharedReadings(
             for (reading in box.readings) {
                 val dropped = reading.number - next
                 next = reading.number + 1
+                if (!isBrief) handover.away()
                 emit(if (dropped == 0L) reading else reading.after(dropped))
             }
             box.run.error?.let { throw it }
@@ -150,11 +156,7 @@ internal class SharedReadings(
         scope.launch {
             run?.job?.cancelAndJoin()
             oneAtATime.withLock { after() }
-        }.invokeOnCompletion { refused ->
-            // a dispatcher that takes nothing more runs nothing either
-            if (refused != null) after()
-            scope.cancel()
-        }
+        }.invokeOnCompletion { scope.cancel() }
     }
 
     @Synchronized
@@ -173,14 +175,11 @@ internal class SharedReadings(
             run.close(box)
             run.collectors -= 1
             if (run.collectors > 0 || current !== run) return null
-            if (graceMs > 0 && run.job.isActive) {
+            if (grace > Duration.ZERO && run.job.isActive) {
                 run.ending = scope.launch {
                     onIdle()
-                    delay(graceMs)
+                    delay(grace)
                     endIdle(run)
-                }.apply {
-                    // a dispatcher that takes nothing more gives no grace time
-                    invokeOnCompletion { if (it?.cause is RejectedExecutionException) endIdle(run) }
                 }
                 return null
             }

@@ -18,16 +18,13 @@ public enum class PhoneSensor {
  */
 public sealed class StreamStatus {
     /** It has. */
-    public object Live : StreamStatus() {
-        /** For logs. */
-        override fun toString(): String = "Live"
-    }
+    public data object Live : StreamStatus()
 
     /**
      * Sensors in use have delivered nothing for 2 s beyond the latency that was asked for. All do so while an app is in the background
      * without a foreground service; one alone is broken. Without the magnetometer there is no heading: one reading tells it, whose heading,
-     * attitude and field are null, and the next one comes with the next event. Without gravity the heading ends within seconds; without
-     * the gyroscope there is one, less sure.
+     * attitude and field are null, and the next one comes with the next event. Without gravity the gyroscope carries the heading on, and
+     * without the gyroscope gravity does, less sure; without both it ends.
      *
      * @property sensors which, at least one
      */
@@ -46,8 +43,5 @@ public sealed class StreamStatus {
      * For a second no sample had an event of gravity or accelerometer near its own time: there is none, or its times are those of another
      * clock. There is no heading.
      */
-    public object NoVertical : StreamStatus() {
-        /** For logs. */
-        override fun toString(): String = "NoVertical"
-    }
+    public data object NoVertical : StreamStatus()
 }

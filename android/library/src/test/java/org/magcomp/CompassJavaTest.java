@@ -18,6 +18,7 @@ import java.util.concurrent.TimeUnit;
 import java.util.concurrent.atomic.AtomicInteger;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
 
 /** What a Java developer writes. */
 class CompassJavaTest {
@@ -49,7 +50,7 @@ class CompassJavaTest {
     void aListenerGetsEveryReadingAndTheEnd() throws Exception {
         File file = new File(System.getProperty("repository.root"), "tests/recordings/broad_34_attached_magnet_3cm.csv.gz");
         Counter counter = new Counter();
-        try (AutoCloseable running = new Compass(new RecordingSource(file)).start(executor, counter)) {
+        try (CompassHandle running = new Compass(new RecordingSource(file)).start(executor, counter)) {
             assertNull(counter.ended.get(60, TimeUnit.SECONDS));
             assertTrue(counter.readings.get() > 0);
             assertNotNull(counter.latest.getReading().getHeading());
@@ -60,7 +61,7 @@ class CompassJavaTest {
     void aListenerGetsTheError() throws Exception {
         Compass compass = new Compass(new RecordingSource("text", () -> new StringReader("t_s,mx\n")));
         Counter counter = new Counter();
-        try (AutoCloseable running = compass.start(executor, counter)) {
+        try (CompassHandle running = compass.start(executor, counter)) {
             Exception error = counter.ended.get(60, TimeUnit.SECONDS);
             assertEquals(1, assertInstanceOf(RecordingException.class, error).getLine());
         }
@@ -69,7 +70,7 @@ class CompassJavaTest {
     @Test
     void aListenerGetsTheErrorOfAFileThatIsNotThere() throws Exception {
         Counter counter = new Counter();
-        try (AutoCloseable running = new Compass(new RecordingSource(new File("no such.csv"))).start(executor, counter)) {
+        try (CompassHandle running = new Compass(new RecordingSource(new File("no such.csv"))).start(executor, counter)) {
             assertInstanceOf(IOException.class, counter.ended.get(60, TimeUnit.SECONDS));
         }
     }
@@ -93,7 +94,7 @@ class CompassJavaTest {
         Compass compass = new Compass(new RecordingSource("endless", EndlessReader::new));
         CountDownLatch some = new CountDownLatch(100);
         AtomicInteger readings = new AtomicInteger();
-        AutoCloseable running = compass.start(executor, new CompassReadingListener() {
+        CompassHandle running = compass.start(executor, new CompassReadingListener() {
             @Override
             public void onReading(CompensatedReading reading) {
                 readings.incrementAndGet();
@@ -113,6 +114,42 @@ class CompassJavaTest {
         executor.submit(() -> { }).get(60, TimeUnit.SECONDS);
         assertEquals(after, readings.get());
         assertTrue(after >= 100, "the end was not announced");
+    }
+
+    @Test
+    void aHandleIsClosedWithoutACatch() {
+        Compass.create(new RecordingSource("endless", EndlessReader::new), new CompensationConfig(), null, 0).start(executor, new Counter()).close();
+    }
+
+    @Test
+    void oneHeadingAndARecording(@TempDir File folder) throws Exception {
+        File file = new File(System.getProperty("repository.root"), "tests/recordings/broad_34_attached_magnet_3cm.csv.gz");
+        CompletableFuture<CompassReading> heading = new CompletableFuture<>();
+        new Compass(new RecordingSource(file)).heading(60_000, 180, executor, (reading, error) -> heading.complete(reading));
+        assertNotNull(heading.get(60, TimeUnit.SECONDS).getHeadingDeg());
+
+        CompletableFuture<Exception> refused = new CompletableFuture<>();
+        new Compass(new RecordingSource(file)).heading(0, 180, executor, (reading, error) -> refused.complete(error));
+        assertInstanceOf(IllegalArgumentException.class, refused.get(60, TimeUnit.SECONDS));
+
+        // closing ends the recording, and says when the file is whole
+        File recorded = new File(folder, "r.csv.gz");
+        CompletableFuture<Exception> ended = new CompletableFuture<>();
+        CompassHandle recording = new Compass(new RecordingSource("endless", EndlessReader::new)).record(recorded, executor, (of, error) -> {
+            assertEquals(recorded, of);
+            ended.complete(error);
+        });
+        while (recorded.length() == 0) Thread.sleep(1);
+        recording.close();
+        assertNull(ended.get(60, TimeUnit.SECONDS));
+        Counter counter = new Counter();
+        new Compass(new RecordingSource(recorded)).start(executor, counter);
+        assertNull(counter.ended.get(60, TimeUnit.SECONDS));
+        assertTrue(counter.readings.get() > 0);
+
+        CompletableFuture<Exception> there = new CompletableFuture<>();
+        new Compass(new RecordingSource(file)).record(recorded, executor, (of, error) -> there.complete(error));
+        assertInstanceOf(IOException.class, there.get(60, TimeUnit.SECONDS));
     }
 
     private static class EndlessReader extends java.io.Reader {

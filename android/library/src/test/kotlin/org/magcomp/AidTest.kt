@@ -7,6 +7,8 @@ import android.os.Build
 import kotlin.math.abs
 import kotlin.math.cos
 import kotlin.math.sin
+import kotlin.time.Duration.Companion.ZERO
+import kotlin.time.Duration.Companion.milliseconds
 import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.async
@@ -54,7 +56,7 @@ class AidTest {
             override fun eventTimeNs(elapsedRealtimeNs: Long) = elapsedRealtimeNs - offsetNs
         }
         val field = MagnetometerCalibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), DeviceVector(0.0, 0.0, 0.0), 49.244)
-        compass = Compass(source, CompensationConfig(initial = field, initialSigmaUt = 30.0), graceMs = 0)
+        compass = Compass(source, CompensationConfig(initial = field, initialSigmaUt = 30.0), grace = ZERO)
         compass.use { compass.readings().toList() }
     }
 
@@ -112,7 +114,7 @@ class AidTest {
             }
         }
         val field = MagnetometerCalibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), DeviceVector(0.0, 0.0, 0.0), 49.244)
-        compass = Compass(source, CompensationConfig(initial = field, initialSigmaUt = 30.0), graceMs = 0)
+        compass = Compass(source, CompensationConfig(initial = field, initialSigmaUt = 30.0), grace = ZERO)
         assertNotNull(compass.readings().toList().last().headingAid)
         assertTrue(compass.readings().toList().all { it.headingAid == null })
     }
@@ -229,7 +231,7 @@ class AidTest {
     fun `nothing is taken once the last collector has left, in the grace time or after it`(): Unit = runBlocking {
         for (graceMs in listOf(0L, 600_000L)) {
             val sensors = FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_GRAVITY, Sensor.TYPE_GYROSCOPE)
-            val compass = Compass(sensors.source(), graceMs = graceMs)
+            val compass = Compass(sensors.source(), grace = graceMs.milliseconds)
             val phone = Phone(1)
             val collecting = CoroutineScope(Dispatchers.Unconfined).launch { compass.readings().collect { } }
             sensors.registered(3)

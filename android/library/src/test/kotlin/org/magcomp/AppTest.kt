@@ -7,6 +7,7 @@ import android.view.Surface
 import java.util.concurrent.CompletableFuture
 import java.util.concurrent.TimeUnit
 import java.util.concurrent.atomic.AtomicInteger
+import kotlin.time.Duration.Companion.milliseconds
 import kotlinx.coroutines.flow.first
 import kotlinx.coroutines.launch
 import kotlinx.coroutines.runBlocking
@@ -49,6 +50,7 @@ class AppTest {
         val first = launch { assertNotNull(next.readings().first().reading.fieldUt, "calibrated at once") }
         withTimeout(20_000) { while (sensors.registrations.size < 2) yield() }
         assertEquals(listOf(20_000, 20_000), sensors.registrations.map { it.periodUs })
+        withTimeout(20_000) { while (next.sensors.value == null) yield() }
         assertEquals(Sensor.TYPE_GRAVITY, next.sensors.value!!.up!!.type)
         sensors.deliver(events.last())
         sensors.deliver(later)
@@ -129,12 +131,17 @@ class AppTest {
         compass.screenRotation = ScreenRotation.DEG180
         compass.declinationDeg = 4.0
         assertEquals(HeadingFrame(ReferenceAxis.CAMERA, ScreenRotation.DEG180, 4.0), compass.frame)
-        assertThrows(IllegalArgumentException::class.java) { Compass(sensors.source(), graceMs = -1) }
+        assertThrows(IllegalArgumentException::class.java) { Compass(sensors.source(), grace = (-1).milliseconds) }
     }
 
     @Test
-    fun `an error's message is its sentence, and preloading does no harm`() {
-        repeat(2) { Compass.preload() }
+    fun `preloading loads the native library, in the background, once`() {
+        val said = inProcessOfItsOwn("org.magcomp.PreloadMain", options = listOf("java.library.path", "jna.library.path").map { "-D$it=${System.getProperty(it)}" })
+        assertEquals("not loaded, loaded", said.trim())
+    }
+
+    @Test
+    fun `an error's message is its sentence`() {
         val error = assertThrows(MagcompException.Config::class.java) { Compensator(CompensationConfig(rangeUt = -1.0)) }
         assertEquals(error.text(), error.message)
         assertTrue("range_ut" in error.message && "=" !in error.message, error.message)

@@ -211,6 +211,13 @@ class BorderTest {
     @Test
     fun `a constant calibration that was closed says so`() {
         val session = ConstantField(samplesPerOrientation = 5)
+        assertEquals(
+            listOf(0, 0, 0, 0, 1, 1),
+            List(6) {
+                session.add(DeviceVector(1.0, 2.0, 3.0))
+                session.orientations()
+            },
+        )
         session.close()
         session.close()
         val uses = listOf(

@@ -9,6 +9,7 @@ import kotlinx.coroutines.flow.MutableStateFlow
 import kotlinx.coroutines.flow.asFlow
 import kotlinx.coroutines.flow.flow
 import kotlinx.coroutines.flow.last
+import kotlinx.coroutines.flow.map
 import kotlinx.coroutines.flow.onEach
 import kotlinx.coroutines.flow.take
 import kotlinx.coroutines.flow.toList
@@ -34,15 +35,11 @@ class CompassTest {
         }
     }
 
-    private class Played(val events: List<SensorSample>) : MagneticFieldSource {
-        override fun samples(): Flow<SensorSample> = events.asFlow()
-    }
-
     private val events = events(tumbling(1500))
 
     @Test
     fun `a slow collector loses the oldest readings, counted, and the estimator none`() = runBlocking {
-        val readings = events.asFlow().compensated(capacity = 5).onEach { if (it.sample.timeNs == STEP_NS) delay(500) }.toList()
+        val readings = Compass(Played(events)).headings().map { it.details }.onEach { if (it.sample.timeNs == STEP_NS) delay(500) }.toList()
         assertTrue(readings.size < 1500, "${readings.size} arrived")
         assertEquals(1500, readings.size + readings.sumOf { it.droppedBefore })
         val direct = Compensator().use { it.pushAll(events) }
@@ -51,14 +48,14 @@ class CompassTest {
 
     @Test
     fun `a fast collector loses none`() = runBlocking {
-        val readings = events.asFlow().compensated(capacity = 1500).toList()
+        val readings = events.asFlow().compensated().toList()
         assertEquals(Compensator().use { it.pushAll(events) }, readings.map { it.reading })
         assertEquals(0, readings.sumOf { it.droppedBefore })
     }
 
     @Test
     fun `the directions to turn to become fewer`() = runBlocking {
-        val readings = events.asFlow().compensated(capacity = 1500).toList()
+        val readings = events.asFlow().compensated().toList()
         val (first, last) = Pair(readings.first().unseenDirections, readings.last().unseenDirections)
         assertTrue(first.size >= 47, "${first.size} at the first sample")
         assertTrue(last.size < 24, "${last.size} after turning about")
@@ -74,7 +71,7 @@ class CompassTest {
         val all = events(tumbling(6500)).toMutableList()
         val field = (all[199] as SensorSample.Magnetic).sample
         all.add(200, SensorSample.Magnetic(field.copy(timeNs = field.timeNs + 3_600_000_000_000)))
-        val readings = all.asFlow().compensated(store = store, capacity = all.size).toList()
+        val readings = all.asFlow().compensated(store = store).toList()
         assertTrue(readings.last().unseenDirections.size < 24, "${readings.last().unseenDirections.size} unseen")
         assertTrue(store.saves in 8..12, "saved ${store.saves} times in 65 s: every 10 s after the way back, too")
     }
@@ -125,7 +122,7 @@ class CompassTest {
             newer(it.keep(NOW_S)!!)
         }
         for (text in listOf("", "{}", "nonsense", newer)) {
-            val first = events.asFlow().compensated(store = Kept(text), capacity = events.size).take(1).toList().single()
+            val first = events.asFlow().compensated(store = Kept(text)).take(1).toList().single()
             assertNull(first.reading.fieldUt)
             val expected = if (text == newer) MagcompException.KeptNewer::class else MagcompException.KeptDamaged::class
             assertEquals(expected, first.storeError!!::class)
@@ -151,15 +148,16 @@ class CompassTest {
     fun `the screen may turn while readings come`(): Unit = runBlocking {
         // at last it lies flat: a turned screen is a turned heading
         val events = events + flat(1500)
-        val frames = MutableStateFlow(headingFrame(0, ReferenceAxis.TOP_EDGE))
         val half = events.size / 2
+        lateinit var compass: Compass
         val turning = flow {
             for ((k, event) in events.withIndex()) {
-                if (k == half) frames.value = headingFrame(1, ReferenceAxis.TOP_EDGE, declinationDeg = 3.0)
+                if (k == half) compass.frame = headingFrame(1, ReferenceAxis.TOP_EDGE, declinationDeg = 3.0)
                 emit(event)
             }
         }
-        val readings = turning.compensated(frame = frames, capacity = events.size).toList().map { it.reading }
+        compass = Compass(Played(turning), CompensationConfig(heading = HeadingConfig(axis = ReferenceAxis.TOP_EDGE)))
+        val readings = compass.readings().toList().map { it.reading }
         val still = Compensator(CompensationConfig(heading = HeadingConfig(axis = ReferenceAxis.TOP_EDGE))).use { it.pushAll(events) }
         assertEquals(still.take(half / 2), readings.take(half / 2))
         val (before, after) = Pair(still.last().heading!!, readings.last().heading!!)
@@ -209,7 +207,7 @@ class CompassTest {
         val (x, y, z) = HARD_IRON.toList()
         val samples = events.filterIsInstance<SensorSample.Magnetic>().map { it.sample.copy(reportedHardIronUt = DeviceVector(x, y, z)) }
         val config = CompensationConfig(useReportedHardIron = true)
-        val readings = samples.map { SensorSample.Magnetic(it) }.asFlow().compensated(config, capacity = samples.size).toList()
+        val readings = samples.map { SensorSample.Magnetic(it) }.asFlow().compensated(config).toList()
         assertNotNull(readings.first().reading.fieldUt, "the system's estimate is the first calibration")
         assertEquals(Compensator(config).use { c -> samples.map { c.push(it) } }, readings.map { it.reading })
         assertEquals(samples, readings.map { it.sample })

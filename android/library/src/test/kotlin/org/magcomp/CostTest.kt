@@ -5,6 +5,7 @@ import android.hardware.SensorEvent
 import java.lang.management.ManagementFactory
 import java.util.Locale
 import java.util.concurrent.atomic.AtomicLong
+import kotlin.time.Duration.Companion.ZERO
 import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.cancelAndJoin
 import kotlinx.coroutines.delay
@@ -64,7 +65,7 @@ object CostMain {
     fun main(arguments: Array<String>) = runBlocking {
         val types = intArrayOf(Sensor.TYPE_GYROSCOPE, Sensor.TYPE_GRAVITY, Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED)
         val sensors = FakeSensorManager(*types)
-        val compass = Compass(sensors.source(SensorOptions()), store = Store, graceMs = 0)
+        val compass = Compass(sensors.source(SensorOptions()), store = Store, grace = ZERO)
         val collecting = launch(Dispatchers.Default) {
             when (arguments.single()) {
                 "heading" -> compass.headings().collect {

@@ -88,7 +88,7 @@ class EventQueueTest {
         val options = SensorOptions(maxReportLatencyUs = (1000 * batchMs).toInt())
         val source = sensors.source(holdS?.let { options.copy(holdS = it) } ?: options)
         return kotlinx.coroutines.coroutineScope {
-            val readings = async { source.samples().compensated(capacity = events.size).take(events.size / 3 - 50).toList() }
+            val readings = async { source.samples().compensated().take(events.size / 3 - 50).toList() }
             withTimeout(20_000) { while (sensors.registrations.size < 3) yield() }
             if (batchMs == 0L) {
                 events.forEach(sensors::deliver)

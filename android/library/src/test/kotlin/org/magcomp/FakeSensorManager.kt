@@ -39,9 +39,12 @@ class FakeSensorManager(vararg types: Int, hardIron: Boolean = true, fullScaleUt
     var continuousNs = 0L
     var forbid = false
 
-    /** A source over these sensors, whose events come on the test's thread, in the order it delivers them. */
-    internal fun source(options: SensorOptions = SensorOptions(holdS = 0.0), permitted: Boolean = true) =
-        SensorManagerSource(this, options, { continuousNs }) { permitted }
+    /**
+     * A source over these sensors, whose events come on the test's thread, in the order it delivers them. So do readings to a collector that is not
+     * confined; with another [handover] they do as in an app.
+     */
+    internal fun source(options: SensorOptions = SensorOptions(holdS = 0.0), permitted: Boolean = true, handover: Handover = AT_ONCE) =
+        SensorManagerSource(this, options, { continuousNs }, handover) { permitted }
 
     /** Waits until so many are registered. */
     suspend fun registered(count: Int) = withTimeout(20_000) { while (registrations.size < count) yield() }
@@ -147,10 +150,15 @@ class FakeSensorManager(vararg types: Int, hardIron: Boolean = true, fullScaleUt
     companion object {
         const val LISTENER_LIMIT = 128
 
+        private val AT_ONCE = Handover { it.run() }
+
         /** Apps can't make a Sensor: its constructor and its type are Android's own. */
         private fun sensor(type: Int, fullScaleUt: Float): Sensor {
             val sensor = Sensor::class.java.getDeclaredConstructor().apply { isAccessible = true }.newInstance()
             Sensor::class.java.getDeclaredField("mType").apply { isAccessible = true }.setInt(sensor, type)
+            for ((field, text) in listOf("mName" to if (type == Sensor.TYPE_ACCELEROMETER) "a" else "m\"1\"", "mVendor" to if (type == Sensor.TYPE_ACCELEROMETER) "maker" else "maker, inc")) {
+                Sensor::class.java.getDeclaredField(field).apply { isAccessible = true }.set(sensor, text)
+            }
             Sensor::class.java.getDeclaredField("mMaxRange").apply { isAccessible = true }.setFloat(sensor, fullScaleUt)
             return sensor
         }

@@ -4,6 +4,7 @@ import android.hardware.Sensor
 import kotlin.math.abs
 import kotlin.math.cos
 import kotlin.math.sin
+import kotlin.time.Duration.Companion.ZERO
 import kotlinx.coroutines.async
 import kotlinx.coroutines.flow.take
 import kotlinx.coroutines.flow.toList
@@ -44,7 +45,7 @@ class FirstReadingTest {
 
     private fun first(headingDeg: Double, reported: DeviceVector?, config: CompensationConfig = CompensationConfig()): MagneticReading = runBlocking {
         val sensors = FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_GRAVITY)
-        val reading = async { Compass(sensors.source(), config, graceMs = 0).readings().take(1).toList().single().reading }
+        val reading = async { Compass(sensors.source(), config, grace = ZERO).readings().take(1).toList().single().reading }
         withTimeout(20_000) { while (sensors.registrations.size < 2) yield() }
         val (north, east) = Pair(cos(Math.toRadians(headingDeg)), sin(Math.toRadians(headingDeg)))
         sensors.deliver(SensorSample.Up(UpSample(STEP_NS, DeviceVector(0.0, 0.0, 9.81))))

@@ -9,6 +9,8 @@ import java.util.concurrent.atomic.AtomicBoolean
 import java.util.concurrent.atomic.AtomicLong
 import kotlin.concurrent.thread
 import kotlin.random.Random
+import kotlin.time.Duration.Companion.ZERO
+import kotlin.time.Duration.Companion.milliseconds
 import kotlinx.coroutines.CompletableDeferred
 import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.Dispatchers
@@ -54,7 +56,7 @@ class OneRunTest {
         val readings = List(2) { CopyOnWriteArrayList<CompensatedReading>() }
         val phone = Phone(1)
         val compasses = readings.mapIndexed { k, it ->
-            scope.launch { Compass(source, graceMs = 0).readings().collect(it::add) }.also {
+            scope.launch { Compass(source, grace = ZERO).readings().collect(it::add) }.also {
                 if (k == 0) sensors.registered(3) else until { readings[1].isNotEmpty().also { phone.play(1) } }
                 phone.play(50)
             }
@@ -76,7 +78,7 @@ class OneRunTest {
     @Test
     fun `a recorder beside a compass leaves what is known of the sensors`() = runBlocking {
         val source = sensors.source()
-        val compass = scope.launch { Compass(source, graceMs = 0).readings().collect { } }
+        val compass = scope.launch { Compass(source, grace = ZERO).readings().collect { } }
         sensors.registered(3)
         sensors.tell(mag, SensorManager.SENSOR_STATUS_ACCURACY_HIGH)
         val recorded = CopyOnWriteArrayList<SensorSample>()
@@ -106,7 +108,7 @@ class OneRunTest {
                 Thread.sleep(0, 100_000)
             }
         }
-        val compass = Compass(source, graceMs = 5)
+        val compass = Compass(source, grace = 5.milliseconds)
         val users = List(8) { k ->
             scope.launch {
                 val random = Random(k)
@@ -157,8 +159,8 @@ class OneRunTest {
     @Test
     fun `one that fails ends alone`() = runBlocking {
         val source = sensors.source()
-        val good = Compass(source, graceMs = 0)
-        val bad = Compass(source, graceMs = 0)
+        val good = Compass(source, grace = ZERO)
+        val bad = Compass(source, grace = ZERO)
         val got = CopyOnWriteArrayList<CompensatedReading>()
         val going = scope.launch { good.readings().collect(got::add) }
         sensors.registered(3)
@@ -178,7 +180,7 @@ class OneRunTest {
 
     @Test
     fun `the app's work holds no reading up`() = runBlocking {
-        val compass = Compass(sensors.source(), graceMs = 0)
+        val compass = Compass(sensors.source(), grace = ZERO)
         val got = AtomicLong()
         val collector = CoroutineScope(Dispatchers.Unconfined).launch { compass.headings().collect { got.set(it.timeNs) } }
         sensors.registered(3)
@@ -197,7 +199,7 @@ class OneRunTest {
 
     @Test
     fun `an event that waits for others is not lost to a compass that stays`() = runBlocking {
-        val compass = Compass(sensors.source(SensorOptions()), graceMs = 0)
+        val compass = Compass(sensors.source(SensorOptions()), grace = ZERO)
         val reading = scope.launch { assertEquals(STEP_NS, compass.readings().first().sample.timeNs) }
         sensors.registered(3)
         magnetic(STEP_NS)

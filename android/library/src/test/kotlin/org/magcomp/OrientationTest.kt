@@ -4,6 +4,7 @@ import android.hardware.SensorManager
 import java.util.Random
 import kotlin.math.abs
 import kotlin.math.sqrt
+import kotlin.time.Duration.Companion.ZERO
 import kotlinx.coroutines.flow.flow
 import kotlinx.coroutines.flow.toList
 import kotlinx.coroutines.runBlocking
@@ -67,7 +68,7 @@ class OrientationTest {
         val source = object : MagneticFieldSource {
             override fun samples() = flow { events(tumbling(1500)).forEach { emit(it) } }
         }
-        val compass = Compass(source, CompensationConfig(heading = HeadingConfig(axis = ReferenceAxis.TOP_EDGE)), graceMs = 0)
+        val compass = Compass(source, CompensationConfig(heading = HeadingConfig(axis = ReferenceAxis.TOP_EDGE)), grace = ZERO)
         compass.declinationDeg = 3.0
         val readings = compass.headings().toList().filter { it.attitude != null && it.headingDeg != null }
         val level = readings.filter { abs(it.attitude!!.orientation().pitchDeg) < 60 }

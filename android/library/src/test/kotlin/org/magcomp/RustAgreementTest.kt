@@ -62,7 +62,7 @@ class RustAgreementTest {
 
     @Test
     fun `a recording as a flow`() = runBlocking {
-        val readings = recording.samples().compensated(capacity = events.size).toList()
+        val readings = recording.samples().compensated().toList()
         assertEquals(0, readings.sumOf { it.droppedBefore })
         assertReadings(readings.map { it.reading })
     }

@@ -42,7 +42,7 @@ class SavingTest {
             }
             end()
         }
-        return runBlocking { played.compensated(store = store, capacity = events.size).toList() }
+        return runBlocking { played.compensated(store = store).toList() }
     }
 
     @Test
@@ -152,7 +152,7 @@ class SavingTest {
         }
         for (atLoad in listOf(true, false)) {
             val store = Failing(atLoad)
-            val readings = runBlocking { events(tumbling(2800)).asFlow().compensated(store = store, capacity = 2800).toList() }
+            val readings = runBlocking { events(tumbling(2800)).asFlow().compensated(store = store).toList() }
             assertEquals(2800, readings.size)
             assertEquals(atLoad, readings.first().storeError is Full)
             assertTrue(readings[1500].storeError is Full)

@@ -2,6 +2,9 @@ package org.magcomp
 
 import android.hardware.Sensor
 import java.util.concurrent.CopyOnWriteArrayList
+import kotlin.time.Duration.Companion.ZERO
+import kotlin.time.Duration.Companion.milliseconds
+import kotlin.time.Duration.Companion.seconds
 import kotlinx.coroutines.CompletableDeferred
 import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.Dispatchers
@@ -22,7 +25,7 @@ import org.junit.jupiter.api.Test
 /** What a screen collects, and what a file does. */
 class ScreenStreamTest {
     private val sensors = FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_GRAVITY, Sensor.TYPE_GYROSCOPE)
-    private val compass = Compass(sensors.source(), graceMs = 0)
+    private val compass = Compass(sensors.source(), grace = ZERO)
     private val phone = Phone(1, reported = HARD_IRON_UT)
     private val scope = CoroutineScope(Dispatchers.Unconfined)
 
@@ -66,32 +69,30 @@ class ScreenStreamTest {
 
     @Test
     fun `a state flow has the latest, uses the sensors while it is collected, and is empty afterwards`() = runBlocking {
-        assertNull(compass.state.value.reading)
+        assertEquals(CompassState.Waiting, compass.state.value)
         assertEquals(0, sensors.registrations.size, "asking starts nothing")
         val screen = scope.launch { compass.state.collect { } }
         sensors.registered(3)
         play(1500)
-        assertEquals(phone.timeNs, compass.state.value.reading!!.timeNs)
+        assertEquals(phone.timeNs, (compass.state.value as CompassState.Live).reading.timeNs)
         assertTrue(compass.state === compass.state)
         val other = scope.launch { compass.state.collect { } }
         assertEquals(1, sensors.most.get())
         screen.cancelAndJoin()
         other.cancelAndJoin()
-        withTimeout(20_000) { while (sensors.registrations.isNotEmpty() || compass.state.value.reading != null) delay(1) }
+        withTimeout(20_000) { while (sensors.registrations.isNotEmpty() || compass.state.value != CompassState.Waiting) delay(1) }
     }
 
     @Test
     fun `a state flow has the error, and the next collector begins anew`() = runBlocking {
         sensors.refuse = Sensor.TYPE_GRAVITY
-        val refused = withTimeout(20_000) { compass.state.first { it.error != null } }
+        val refused = withTimeout(20_000) { compass.state.first { it is CompassState.Ended } } as CompassState.Ended
         assertTrue(refused.error is SensorException.Refused)
-        assertNull(refused.reading)
         sensors.refuse = null
         val screen = scope.launch { compass.state.collect { } }
         sensors.registered(3)
         play(1)
-        assertEquals(phone.timeNs, compass.state.value.reading!!.timeNs)
-        assertNull(compass.state.value.error)
+        assertEquals(phone.timeNs, (compass.state.value as CompassState.Live).reading.timeNs)
         screen.cancelAndJoin()
     }
 
@@ -105,15 +106,15 @@ class ScreenStreamTest {
             withTimeout(60_000) { asking.join() }
             return found
         }
-        val first = asked(3000) { compass.heading(withinMs = 60_000) }!!
+        val first = asked(3000) { compass.heading(within = 60.seconds) }!!
         assertTrue(first.headingSigmaDeg!! > 10, "the data show one: ${first.headingSigmaDeg}")
-        val sure = asked(3000) { compass.heading(withinMs = 60_000, worstSigmaDeg = 10.0) }!!
+        val sure = asked(3000) { compass.heading(within = 60.seconds, worstSigmaDeg = 10.0) }!!
         assertTrue(sure.headingSigmaDeg!! <= 10, "${sure.headingSigmaDeg}")
-        val why = asked(20) { compass.heading(withinMs = 3000, worstSigmaDeg = 1e-6) }!!
+        val why = asked(20) { compass.heading(within = 3.seconds, worstSigmaDeg = 1e-6) }!!
         assertTrue(why.headingSigmaDeg!! > 1e-6, "$why")
-        val none = asked(0) { Compass(sensors.source(), graceMs = 0).heading(withinMs = 1) }
+        val none = asked(0) { Compass(sensors.source(), grace = ZERO).heading(within = 1.milliseconds) }
         assertNull(none)
-        for (wrong in listOf<suspend () -> Any?>({ compass.heading(withinMs = 0) }, { compass.heading(worstSigmaDeg = Double.NaN) })) {
+        for (wrong in listOf<suspend () -> Any?>({ compass.heading(within = ZERO) }, { compass.heading(worstSigmaDeg = Double.NaN) })) {
             assertThrows(IllegalArgumentException::class.java) { runBlocking { wrong() } }
         }
     }
@@ -123,7 +124,7 @@ class ScreenStreamTest {
         val broken = object : MagneticFieldSource {
             override fun samples() = flow<SensorSample> { throw StackOverflowError("on purpose") }
         }
-        val told = withTimeout(20_000) { Compass(broken).state.first { it.error != null } }
+        val told = withTimeout(20_000) { Compass(broken).state.first { it is CompassState.Ended } } as CompassState.Ended
         assertTrue(told.error!!.cause is StackOverflowError)
     }
 

@@ -8,6 +8,7 @@ import kotlin.math.abs
 import kotlin.math.cos
 import kotlin.math.sin
 import kotlin.math.sqrt
+import kotlin.time.Duration.Companion.ZERO
 import kotlinx.coroutines.cancelAndJoin
 import kotlinx.coroutines.CompletableDeferred
 import kotlinx.coroutines.flow.flow
@@ -160,7 +161,7 @@ class SecondLaunchTest {
         val source = object : MagneticFieldSource {
             override fun samples() = flow { events.forEach { emit(it) } }
         }
-        val compass = Compass(source, store = store, graceMs = 0).apply { unixTimeS = { nowS } }
+        val compass = Compass(source, store = store, grace = ZERO).apply { unixTimeS = { nowS } }
         compass.frame = compass.frame.copy(declinationDeg = 2.0)
         runBlocking {
             val first = compass.readings().toList().last().reading
@@ -185,7 +186,7 @@ class SecondLaunchTest {
                 }
             }
         }
-        val other = Compass(played, graceMs = 0).apply { unixTimeS = { nowS } }
+        val other = Compass(played, grace = ZERO).apply { unixTimeS = { nowS } }
         suspend fun first(): MagneticReading {
             isSeen = CompletableDeferred()
             return other.readings().onEach { isSeen.complete(Unit) }.toList().first().reading
@@ -218,7 +219,7 @@ class SecondLaunchTest {
         accuracy: Int? = null,
     ): List<CompensatedReading> = runBlocking {
         val sensors = FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_GRAVITY, Sensor.TYPE_GYROSCOPE)
-        val compass = Compass(sensors.source(), config, store, graceMs = 0).apply { unixTimeS = { nowS } }
+        val compass = Compass(sensors.source(), config, store, grace = ZERO).apply { unixTimeS = { nowS } }
         val readings = CopyOnWriteArrayList<CompensatedReading>()
         val app = launch { compass.readings().collect { readings += it } }
         withTimeout(20_000) { while (sensors.registrations.size < 3) yield() }

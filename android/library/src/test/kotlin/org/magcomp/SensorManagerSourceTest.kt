@@ -5,6 +5,7 @@ import android.hardware.SensorManager
 import java.util.concurrent.CopyOnWriteArrayList
 import java.util.concurrent.locks.LockSupport
 import kotlin.concurrent.thread
+import kotlin.time.Duration.Companion.ZERO
 import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.async
 import kotlinx.coroutines.cancelAndJoin
@@ -232,7 +233,7 @@ class SensorManagerSourceTest {
     @Test
     fun `the sensors in use and what the system says of them reach the readings`() = runBlocking {
         val sensors = FakeSensorManager(*all)
-        val compass = Compass(sensors.source(), graceMs = 0)
+        val compass = Compass(sensors.source(), grace = ZERO)
         val readings = mutableListOf<CompensatedReading>()
         val job = launch { compass.readings().take(3).toList(readings) }
         sensors.registered(3)
@@ -283,7 +284,7 @@ class SensorManagerSourceTest {
     fun `a sample at the range that the sensor tells is saturated, unless the app knows another`() = runBlocking {
         suspend fun status(fullScaleUt: Float, config: CompensationConfig = CompensationConfig()): CompensationStatus {
             val sensors = FakeSensorManager(*all, fullScaleUt = fullScaleUt)
-            val reading = async { Compass(sensors.source(), config, graceMs = 0).readings().first().reading }
+            val reading = async { Compass(sensors.source(), config, grace = ZERO).readings().first().reading }
             sensors.registered(3)
             sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, 1, 1f, -1200.5f, 3f)
             return reading.await().status
@@ -302,7 +303,7 @@ class SensorManagerSourceTest {
     fun `sleep that the sensors' clock does not show is told once, late events are no sleep`() = runBlocking {
         val sensors = FakeSensorManager(*all)
         val source = sensors.source()
-        val compass = Compass(source, graceMs = 0)
+        val compass = Compass(source, grace = ZERO)
         val phone = Phone(1)
         val readings = CopyOnWriteArrayList<CompensatedReading>()
         val app = launch { compass.readings().collect { readings += it } }

@@ -3,13 +3,15 @@ package org.magcomp
 import android.hardware.Sensor
 import java.lang.ref.WeakReference
 import java.util.concurrent.CopyOnWriteArrayList
-import java.util.concurrent.Executors
 import java.util.concurrent.atomic.AtomicInteger
+import kotlin.time.Duration.Companion.ZERO
+import kotlin.time.Duration.Companion.milliseconds
+import kotlin.time.Duration.Companion.seconds
 import kotlinx.coroutines.CompletableDeferred
 import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.Dispatchers
+import kotlinx.coroutines.ExperimentalCoroutinesApi
 import kotlinx.coroutines.NonCancellable
-import kotlinx.coroutines.asCoroutineDispatcher
 import kotlinx.coroutines.async
 import kotlinx.coroutines.awaitCancellation
 import kotlinx.coroutines.cancelAndJoin
@@ -20,6 +22,10 @@ import kotlinx.coroutines.flow.take
 import kotlinx.coroutines.flow.toList
 import kotlinx.coroutines.launch
 import kotlinx.coroutines.runBlocking
+import kotlinx.coroutines.test.StandardTestDispatcher
+import kotlinx.coroutines.test.advanceTimeBy
+import kotlinx.coroutines.test.runCurrent
+import kotlinx.coroutines.test.runTest
 import kotlinx.coroutines.withContext
 import kotlinx.coroutines.withTimeout
 import kotlinx.coroutines.yield
@@ -32,6 +38,7 @@ import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
 
 /** One compass, collected by screens that come and go. */
+@OptIn(ExperimentalCoroutinesApi::class) // the clock of a test
 class SharedCompassTest {
     private val sensors =
         FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_GRAVITY, Sensor.TYPE_GYROSCOPE, hardIron = false)
@@ -91,7 +98,7 @@ class SharedCompassTest {
     @Test
     fun `200 rotations that take longer than the sensors go on never lose the calibration`() = runBlocking {
         for (store in listOf(Store(0), Store(3))) {
-            val compass = Compass(sensors.source(), store = store, graceMs = 0)
+            val compass = Compass(sensors.source(), store = store, grace = ZERO)
             var calibrated = false
             for (rotation in 0 until 200) {
                 val part = events.subList(20 * rotation, 20 * rotation + 20)
@@ -108,7 +115,7 @@ class SharedCompassTest {
             assertTrue(calibrated)
             assertEquals(1, store.loads.get())
             // and with the process: what the last rotation had
-            val next = async { Compass(sensors.source(), store = store, graceMs = 0).readings().first() }
+            val next = async { Compass(sensors.source(), store = store, grace = ZERO).readings().first() }
             registered(3)
             sensors.deliver(events[1])
             assertNotNull(next.await().reading.fieldUt)
@@ -117,7 +124,7 @@ class SharedCompassTest {
 
     @Test
     fun `a second collector gets the latest reading at once and then the same`() = runBlocking {
-        val compass = Compass(sensors.source(), graceMs = 0)
+        val compass = Compass(sensors.source(), grace = ZERO)
         val collected = List(3) { CopyOnWriteArrayList<CompensatedReading>() }
         fun collecting(n: Int, count: Int) = async { compass.readings().take(count).toList(collected[n]) }
         suspend fun arrived(vararg counts: Int) =
@@ -146,7 +153,7 @@ class SharedCompassTest {
     @Test
     fun `what is left by the last collector is saved before the grace time has passed`() = runBlocking {
         val store = Store(0)
-        val compass = Compass(sensors.source(), store = store, graceMs = 600_000)
+        val compass = Compass(sensors.source(), store = store, grace = 600.seconds)
         val screen = launch { compass.readings().collect { } }
         registered(3)
         for (event in events.take(1000)) sensors.deliver(event)
@@ -163,7 +170,7 @@ class SharedCompassTest {
 
     @Test
     fun `after the grace time the sensors rest, and the next collector goes on with what was learned`() = runBlocking {
-        val compass = Compass(sensors.source(), graceMs = 1)
+        val compass = Compass(sensors.source(), grace = 1.milliseconds)
         val collecting = launch { compass.readings().first { it.sample.timeNs == events[999].timeNs } }
         registered(3)
         events.take(1000).forEach(sensors::deliver)
@@ -180,6 +187,31 @@ class SharedCompassTest {
     }
 
     @Test
+    fun `who comes back within the grace time ends it, and who leaves again has all of it`() = runTest {
+        val compass = Compass(sensors.source(), CompensationConfig(), null, grace = 5.seconds, StandardTestDispatcher(testScheduler))
+        suspend fun visit() {
+            val screen = launch { compass.readings().collect { } }
+            runCurrent()
+            assertEquals(3, sensors.registrations.size)
+            screen.cancelAndJoin()
+            runCurrent()
+        }
+        visit()
+        advanceTimeBy(1000)
+        visit()
+        val again = launch { compass.readings().collect { } }
+        advanceTimeBy(3000)
+        again.cancelAndJoin()
+        // the first grace time would end at 5 s
+        for ((ms, registered) in listOf(1001L to 3, 3990L to 3, 20L to 0)) {
+            advanceTimeBy(ms)
+            runCurrent()
+            assertEquals(registered, sensors.registrations.size, "$ms")
+        }
+        assertEquals(1, sensors.most.get())
+    }
+
+    @Test
     fun `after an error the next collector begins anew`() = runBlocking {
         val compass = Compass(sensors.source())
         sensors.refuse = Sensor.TYPE_GRAVITY
@@ -193,33 +225,28 @@ class SharedCompassTest {
     }
 
     @Test
-    fun `events, estimator and store are where the app wants them`() = runBlocking {
-        Executors.newSingleThreadExecutor { Thread(it, "of the app") }.asCoroutineDispatcher().use { dispatcher ->
-            val threads = CopyOnWriteArrayList<String>()
-            fun here() = threads.add(Thread.currentThread().name.substringBefore(" @"))
-            val store = object : CalibrationStore {
-                override fun load(): String? = null.also { here() }
+    fun `a source is collected on a thread that does nothing else, a store is called elsewhere`() = runBlocking {
+        val (sources, stores) = List(2) { CopyOnWriteArrayList<String>() }
+        fun here() = Thread.currentThread().name.substringBefore(" @")
+        val store = object : CalibrationStore {
+            override fun load(): String? = null.also { stores += here() }
 
-                override fun save(text: String) {
-                    here()
-                }
+            override fun save(text: String) {
+                stores += here()
             }
-            val source = object : MagneticFieldSource {
-                override fun samples() = flow {
-                    for (event in events.take(1000)) emit(event.also { here() })
-                }
-            }
-            Compass(source, store = store, dispatcher = dispatcher).readings().toList()
-            source.samples().compensated(store = store, dispatcher = dispatcher).toList()
-            assertEquals(setOf("of the app"), threads.toSet())
-            assertTrue(threads.size >= 2004, "${threads.size} calls")
         }
+        val source = object : MagneticFieldSource {
+            override fun samples() = flow { for (event in events.take(1000)) emit(event.also { sources += here() }) }
+        }
+        Compass(source, store = store).readings().toList()
+        assertEquals(setOf("magcomp compass"), sources.toSet())
+        assertTrue(stores.size >= 2 && "magcomp compass" !in stores, "$stores")
     }
 
     @Test
     fun `after a defect the next collector begins anew`() = runBlocking {
         val store = Store(0)
-        val compass = Compass(sensors.source(), store = store, graceMs = 0)
+        val compass = Compass(sensors.source(), store = store, grace = ZERO)
         val arrived = CopyOnWriteArrayList<CompensatedReading>()
         val broken = async { runCatching { compass.readings().toList(arrived) }.exceptionOrNull() }
         registered(3)
@@ -272,31 +299,6 @@ class SharedCompassTest {
     }
 
     @Test
-    fun `a dispatcher that is closed before a run ends every collector`() = runBlocking {
-        val dispatcher = Executors.newSingleThreadExecutor().asCoroutineDispatcher()
-        val compass = Compass(sensors.source(), dispatcher = dispatcher)
-        dispatcher.close()
-        withTimeout(20_000) { async(Dispatchers.Default) { runCatching { compass.readings().toList() } }.await() }
-        ended()
-        compass.close()
-        withTimeout(20_000) { while (compass.kept != null) yield() }
-    }
-
-    @Test
-    fun `one that is closed during a run stops no reading, and the sensors rest all the same`() = runBlocking {
-        val dispatcher = Executors.newSingleThreadExecutor().asCoroutineDispatcher()
-        val compass = Compass(sensors.source(), dispatcher = dispatcher)
-        val collector = async(Dispatchers.Default) { compass.readings().take(5).toList() }
-        registered(3)
-        dispatcher.close()
-        events.take(10).forEach(sensors::deliver)
-        assertEquals(5, withTimeout(20_000) { collector.await() }.size)
-        ended()
-        compass.close()
-        withTimeout(20_000) { while (compass.kept != null) yield() }
-    }
-
-    @Test
     fun `closing ends every collector, saves, frees the sensors and the estimator`() = runBlocking {
         for (delivered in listOf(0, 1000)) {
             val store = Store(0)
@@ -323,7 +325,7 @@ class SharedCompassTest {
 
     @Test
     fun `what comes after a collector has left is kept for nobody`() = runBlocking {
-        val compass = Compass(sensors.source(), graceMs = 0)
+        val compass = Compass(sensors.source(), grace = ZERO)
         val staying = CoroutineScope(Dispatchers.Unconfined).launch { compass.readings().collect { } }
         registered(3)
         CoroutineScope(Dispatchers.Unconfined).launch { compass.readings().collect { } }.cancelAndJoin()
@@ -340,7 +342,7 @@ class SharedCompassTest {
     @Test
     fun `a run that begins with an event a little too late goes on, one of another clock does not`() = runBlocking {
         for ((backNs, goesOn) in listOf(1_000_000L to true, 999_000_000L to true, 1_001_000_000L to false)) {
-            val compass = Compass(sensors.source(), graceMs = 0)
+            val compass = Compass(sensors.source(), grace = ZERO)
             val phone = Phone(1)
             fun play(steps: Int) = repeat(steps) { phone.advance(still = false).forEach(sensors::deliver) }
             val readings = CopyOnWriteArrayList<CompensatedReading>()
@@ -387,7 +389,7 @@ class SharedCompassTest {
     fun `a run begins only after the one before has ended`() = runBlocking {
         for (graceMs in listOf(0L, 1L)) {
             val slow = Slow()
-            val compass = Compass(slow, graceMs = graceMs)
+            val compass = Compass(slow, grace = graceMs.milliseconds)
             val screens = List(20) { k ->
                 launch(Dispatchers.Default) {
                     delay(7L * k)
@@ -403,7 +405,7 @@ class SharedCompassTest {
     @Test
     fun `an estimator with a defect is closed, and another begins`() = runBlocking {
         val defect = MagcompException.Panicked("of a test")
-        val compass = Compass(Slow(defect), graceMs = 0)
+        val compass = Compass(Slow(defect), grace = ZERO)
         val broken = CompletableDeferred<Estimation>()
         val error = runCatching { compass.readings().collect { broken.complete(compass.kept!!) } }.exceptionOrNull()
         assertEquals("of a test", (error as MagcompException.Panicked).what)

@@ -113,6 +113,33 @@ class SilenceTest {
     }
 
     @Test
+    fun `without a gyroscope gravity stays too while all are silent, and gives way while the magnetometer goes on`() {
+        val sensors = FakeSensorManager(mag, gravity, Sensor.TYPE_ACCELEROMETER)
+        val source = sensors.source()
+        collecting(sensors, source, registered = 2) {
+            sensors.play(5000)
+            assertEquals(gravity to true, source.sensors.value!!.up!!.run { type to isSilent })
+            assertEquals(setOf(mag, gravity), sensors.registrations.map { it.sensor.type }.toSet())
+            sensors.play(2600, mag)
+            assertEquals(Sensor.TYPE_ACCELEROMETER, source.sensors.value!!.up!!.type)
+        }
+    }
+
+    @Test
+    fun `an event of gravity that comes after the accelerometer has taken over counts no more`() {
+        val sensors = FakeSensorManager(*all)
+        val source = sensors.source()
+        val samples = collecting(sensors, source) {
+            val listener = sensors.registrations[0].listener
+            sensors.play(2600, mag)
+            assertEquals(Sensor.TYPE_ACCELEROMETER, source.sensors.value!!.up!!.type)
+            listener.onSensorChanged(android.hardware.SensorEvent(sensors.getDefaultSensor(gravity)!!, 0, 1, floatArrayOf(7f, 7f, 7f)))
+            sensors.play(10, Sensor.TYPE_ACCELEROMETER)
+        }
+        assertEquals(listOf(1.0), samples.filterIsInstance<SensorSample.Up>().map { it.sample.upMS2.x })
+    }
+
+    @Test
     fun `gravity stays where no accelerometer is, or the system refuses it`() {
         for (refuse in listOf(null, Sensor.TYPE_ACCELEROMETER)) {
             val types = if (refuse == null) all.filter { it != Sensor.TYPE_ACCELEROMETER }.toIntArray() else all

@@ -1,5 +1,6 @@
 package org.magcomp
 
+import kotlin.time.Duration.Companion.ZERO
 import kotlinx.coroutines.flow.flow
 import kotlinx.coroutines.flow.toList
 import kotlinx.coroutines.runBlocking
@@ -28,7 +29,7 @@ class SleepTest {
 
             override fun samples() = flow { events(tumbling(50)).forEach { emit(it) } }
         }
-        val compass = Compass(source, graceMs = 0)
+        val compass = Compass(source, grace = ZERO)
         compass.readings().toList()
         assertEquals(0L, compass.kept!!.compensator.gaps())
         compass.close()

@@ -4,12 +4,17 @@ import android.hardware.Sensor
 import java.util.concurrent.CopyOnWriteArrayList
 import java.util.concurrent.CountDownLatch
 import java.util.concurrent.atomic.AtomicInteger
+import kotlin.time.Duration.Companion.ZERO
 import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.Dispatchers
+import kotlinx.coroutines.ExperimentalCoroutinesApi
 import kotlinx.coroutines.cancelAndJoin
 import kotlinx.coroutines.delay
 import kotlinx.coroutines.launch
 import kotlinx.coroutines.runBlocking
+import kotlinx.coroutines.test.StandardTestDispatcher
+import kotlinx.coroutines.test.advanceTimeBy
+import kotlinx.coroutines.test.runTest
 import kotlinx.coroutines.withTimeout
 import kotlinx.coroutines.yield
 import org.junit.jupiter.api.Assertions.assertEquals
@@ -19,6 +24,7 @@ import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
 
 /** A store that takes its time, beside the phone's sensors. */
+@OptIn(ExperimentalCoroutinesApi::class) // the clock of a test
 class StoreOutsideTest {
     private val sensors = FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_GRAVITY, Sensor.TYPE_GYROSCOPE)
     private val phone = Phone(1)
@@ -60,7 +66,7 @@ class StoreOutsideTest {
     private suspend fun until(what: () -> Boolean) = withTimeout(20_000) { while (!what()) delay(1) }
 
     private fun collected(store: CalibrationStore, body: suspend (Compass) -> Unit) = runBlocking {
-        val compass = Compass(sensors.source(), store = store, graceMs = 0)
+        val compass = Compass(sensors.source(), store = store, grace = ZERO)
         val job = CoroutineScope(Dispatchers.Unconfined).launch { compass.readings().collect(readings::add) }
         body(compass)
         job.cancelAndJoin()
@@ -94,8 +100,8 @@ class StoreOutsideTest {
             readings.clear()
             val store = Slow(text).apply { maySave.countDown() }
             collected(store) { compass ->
-                // the run goes on without, when the sensors' clock says so
-                until { (sensors.registrations.size == 3).also { sensors.continuousNs += 100_000_000 } }
+                // the run goes on without
+                sensors.registered(3)
                 play(if (isLearned) 3000 else 5)
                 assertEquals(isLearned, readings.last().reading.fieldUt != null)
                 val before = compass.kept!!.compensator.calibration()
@@ -131,6 +137,49 @@ class StoreOutsideTest {
             withTimeout(60_000) { while (readings.last().storeError?.message != "the disk is full") play(1).also { yield() } }
             store.isFull = false
             withTimeout(60_000) { while (readings.last().storeError != null) play(1).also { yield() } }
+        }
+    }
+
+    @Test
+    fun `what a store refused is saved at the next end, though it is still the same`() = runBlocking {
+        val store = object : CalibrationStore {
+            val asked = AtomicInteger()
+
+            @Volatile
+            var text: String? = null
+
+            override fun load(): String? = null
+
+            override fun save(text: String) {
+                if (asked.incrementAndGet() == 1) throw IllegalStateException("once")
+                this.text = text
+            }
+        }
+        val compass = Compass(sensors.source(), store = store, grace = ZERO)
+        // two runs of one calibration: the second has one event of gravity
+        repeat(2) { run ->
+            val job = CoroutineScope(Dispatchers.Unconfined).launch { compass.readings().collect(readings::add) }
+            sensors.registered(3)
+            if (run == 0) withTimeout(60_000) { while (store.asked.get() == 0) play(1).also { yield() } }
+            if (run == 1) sensors.deliver(SensorSample.Up(UpSample(phone.timeNs + STEP_NS, DeviceVector(0.0, 0.0, 9.81))))
+            job.cancelAndJoin()
+        }
+        until { store.text != null }
+        assertEquals(2, store.asked.get())
+        compass.close()
+    }
+
+    @Test
+    fun `a run waits 0,1 s for what is kept, and no longer`() = runTest {
+        for ((afterMs, isThere) in listOf(90L to false, 110L to true)) {
+            val store = Slow()
+            val compass = Compass(sensors.source(), CompensationConfig(), store, grace = ZERO, StandardTestDispatcher(testScheduler))
+            val job = launch { compass.readings().collect { } }
+            advanceTimeBy(afterMs)
+            assertEquals(isThere, sensors.registrations.size == 3, "after $afterMs ms")
+            store.mayLoad.countDown()
+            store.maySave.countDown()
+            job.cancelAndJoin()
         }
     }
 

@@ -8,6 +8,7 @@ import java.util.concurrent.LinkedBlockingQueue
 import java.util.concurrent.TimeUnit
 import kotlin.math.IEEErem
 import kotlin.math.abs
+import kotlin.time.Duration.Companion.ZERO
 import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.Job
@@ -31,7 +32,13 @@ class StreamStatusTest {
     private val mag = Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED
     private val sensors = FakeSensorManager(mag, Sensor.TYPE_GRAVITY, Sensor.TYPE_GYROSCOPE)
     private val phone = Phone(1, beginNs = 20_000_000_000_000)
-    private val compass = Compass(sensors.source(), graceMs = 0)
+    private val source = sensors.source()
+    private val store = object : CalibrationStore {
+        override fun load(): String? = throw IllegalStateException("of the store")
+
+        override fun save(text: String) = throw IllegalStateException("of the store")
+    }
+    private val compass = Compass(source, store = store, grace = ZERO)
     private val readings = CopyOnWriteArrayList<CompensatedReading>()
     private val resources = englishResources()
 
@@ -75,6 +82,7 @@ class StreamStatusTest {
         val told = readings.last()
         assertEquals(silent, told.stream)
         assertEquals(true, told.sensors!!.magnetometer.isSilent)
+        assertEquals("of the store", told.storeError!!.message)
         with(told.reading) {
             assertEquals(listOf(null, null, null, null, null), listOf(heading, attitude, fieldUt, filteredFieldUt, totalFieldUt))
             assertEquals(Triple(before.sample.timeNs, before.reading.window, before.reading.coverage), Triple(timeNs, window, coverage))
@@ -149,9 +157,22 @@ class StreamStatusTest {
     }
 
     @Test
+    fun `a refused sample's time says nothing of the vertical`() = collected {
+        play(1500)
+        readings.clear()
+        repeat(300) {
+            sensors.deliver(mag, Long.MAX_VALUE / 2, 1f, 2f, 3f, 0f, 0f, 0f)
+            play(1)
+        }
+        val (refused, taken) = readings.partition { it.reading.status is CompensationStatus.Rejected }
+        assertTrue(refused.size >= 290 && taken.size >= 200, "${refused.size} and ${taken.size}")
+        assertTrue(readings.all { it.stream == StreamStatus.Live })
+    }
+
+    @Test
     fun `of a source without a vertical it is told as well`() = runBlocking {
         val fields = List(300) { phone.advance(still = false) }.flatten().filter { it !is SensorSample.Up }
-        val told = fields.asFlow().compensated(capacity = 300).toList()
+        val told = fields.asFlow().compensated().toList()
         assertEquals(List(101) { StreamStatus.Live } + List(199) { StreamStatus.NoVertical }, told.map { it.stream })
         // who is asked to turn the phone mends no vertical
         val (live, without) = told.partition { it.stream == StreamStatus.Live }
@@ -159,7 +180,7 @@ class StreamStatusTest {
         assertNotNull(without.first().reading.status.guidance(resources))
         for (reading in without) assertNull(CompassReading(reading).guidance(resources))
         val all = List(300) { phone.advance(still = false) }.flatten()
-        assertTrue(all.asFlow().compensated(capacity = 300).toList().all { it.stream == StreamStatus.Live })
+        assertTrue(all.asFlow().compensated().toList().all { it.stream == StreamStatus.Live })
     }
 
     @Test
@@ -183,6 +204,10 @@ class StreamStatusTest {
                 assertEquals(StreamStatus.Live, found.last().stream, "$off")
                 assertEquals(SensorMode.GYROSCOPE_AND_GRAVITY, last.mode, "$off")
                 assertEquals(CompensationStatus.Tracking, last.status, "$off")
+                // only the magnetometer's clock may be behind the phone's, and it is no sleep
+                val source = other.source
+                assertEquals(0.0, source.hiddenS, "$off")
+                assertEquals(1_000L + (off[PhoneSensor.MAGNETOMETER]?.takeIf { abs(it) > 1_000_000_000 } ?: 0), source.eventTimeNs(1_000), "$off")
                 // soon as good as with one clock
                 for (k in listOf(599, 1199)) {
                     val (one, theirs) = Pair(same.readings[k].reading.heading!!, other.readings[k].reading.heading!!)
@@ -191,6 +216,23 @@ class StreamStatusTest {
                 }
             }
         }
+    }
+
+    @Test
+    fun `a magnetometer that begins late, where the sensors' clock stands in sleep, has the clock of the others`() = runBlocking {
+        val got = CopyOnWriteArrayList<SensorSample>()
+        val collecting = CoroutineScope(Dispatchers.Unconfined).launch { source.samples().collect { got += it } }
+        sensors.registered(3)
+        // an hour of sleep before
+        fun play(steps: Int, isThere: Boolean) = repeat(steps) {
+            val events = phone.advance(still = false)
+            sensors.continuousNs = phone.timeNs + 3_600_000_000_000
+            for (event in events) if (isThere || kind(event) != PhoneSensor.MAGNETOMETER) sensors.deliver(event)
+        }
+        play(300, isThere = false)
+        play(300, isThere = true)
+        assertEquals((1..600).map { 20_000_000_000_000 + it * STEP_NS }, got.filterIsInstance<SensorSample.RotationRate>().map { it.timeNs })
+        collecting.cancelAndJoin()
     }
 
     @Test

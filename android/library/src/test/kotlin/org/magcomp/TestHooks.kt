@@ -2,6 +2,12 @@ package org.magcomp
 
 import java.io.File
 import java.util.Random
+import kotlin.time.Duration.Companion.ZERO
+import kotlinx.coroutines.Dispatchers
+import kotlinx.coroutines.flow.Flow
+import kotlinx.coroutines.flow.asFlow
+import kotlinx.coroutines.flow.emitAll
+import kotlinx.coroutines.flow.flow
 
 /** What the feature `test-hooks` adds to the library for these tests. */
 object TestHooks {
@@ -32,6 +38,19 @@ object LoggingMain {
             it.push(MagneticSample(1, DeviceVector(1.0, 2.0, 3.0), DeviceVector(0.0, 9000.0, 0.0)))
         }
         NativeCompensator(CompensationConfig()).use { TestHooks.panicOnPurpose(it.fastHandle()) }
+    }
+}
+
+/** Run in a process of its own: whether preloading loads the library, as the process' own list of files has it. */
+object PreloadMain {
+    private fun isLoaded() = File("/proc/self/maps").readText().contains("libmagcomp_ffi")
+
+    @JvmStatic
+    fun main(arguments: Array<String>) {
+        print(if (isLoaded()) "loaded, " else "not loaded, ")
+        repeat(2) { Compass.preload() }
+        for (look in 1..2000) if (isLoaded()) break else Thread.sleep(10)
+        println(if (isLoaded()) "loaded" else "not loaded")
     }
 }
 
@@ -118,6 +137,18 @@ fun flat(k: Int): List<SensorSample> {
 
 /** A kept calibration as if a newer version of the library had written it. */
 fun newer(text: String) = text.replaceFirst(Regex("\"magcomp_calibration\": ?\\d+"), "\"magcomp_calibration\":99")
+
+/** Plays these events to all who collect. */
+class Played(private val events: Flow<SensorSample>) : MagneticFieldSource {
+    constructor(events: List<SensorSample>) : this(events.asFlow())
+
+    override fun samples() = events
+}
+
+/** Every answer of a compass of its own to these events. Its store is called where its readings are made. */
+internal fun Flow<SensorSample>.compensated(config: CompensationConfig = CompensationConfig(), store: CalibrationStore? = null): Flow<CompensatedReading> = flow {
+    Compass(Played(this@compensated), config, store, grace = ZERO, Dispatchers.Default.limitedParallelism(1), Dispatchers.Unconfined).use { emitAll(it.readings()) }
+}
 
 /** A time of the wall clock, seconds since 1970. */
 const val NOW_S = 1_795_000_000L

@@ -10,7 +10,7 @@ import org.magcomp.NorthReference
 import org.magcomp.DeviceVector
 import org.magcomp.arCoreAttitude
 
-// what follows is in android/README.md; ReadmeTest compares them
+// what follows is in android/GUIDE.md; ReadmeTest compares them
 /** In a car the phone lies in a holder; who walks holds it ahead. The app or its user says which; where neither is true, no course helps. */
 fun onFix(compass: Compass, fix: Location, isInHolder: Boolean) {
     compass.setPlace(fix)

@@ -4,10 +4,12 @@ import android.app.Application
 import android.location.Location
 import android.view.Display
 import androidx.lifecycle.AndroidViewModel
+import kotlin.math.roundToInt
 import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.catch
 import kotlinx.coroutines.flow.map
 import org.magcomp.Compass
+import org.magcomp.SensorException
 import org.magcomp.screenRotation
 
 // what follows is in android/README.md; ReadmeTest compares them
@@ -17,8 +19,8 @@ class CompassViewModel(app: Application) : AndroidViewModel(app) {
     val text: Flow<String> = compass.headings().map { reading ->
         // null: the sentence says what is missing, also that the sensors have fallen silent
         val headingDeg = reading.headingDeg ?: return@map reading.text(app.resources)
-        "$headingDeg deg, give or take ${reading.headingSigmaDeg}"
-    }.catch { emit(it.message ?: "$it") } // no magnetometer, for instance
+        "${headingDeg.roundToInt() % 360}°, give or take ${reading.headingSigmaDeg?.roundToInt()}°"
+    }.catch { emit(if (it is SensorException.Missing) "This phone has no compass." else "The compass does not work now.") }
 
     /** For `reading.trueHeadingDeg`. The place needs a location permission, the sensors need none. */
     fun at(place: Location) = compass.setPlace(place)

@@ -35,7 +35,7 @@ class ReadmeTest {
     @Test
     fun `every snippet of a document is compiled here, but Gradle's`() {
         val fenced = Regex("(?s)```kotlin\n(.*?)```")
-        for (document in listOf("README.md", "android/README.md", "android/MIGRATION.md")) {
+        for (document in listOf("README.md", "android/README.md", "android/GUIDE.md", "android/MIGRATION.md")) {
             val shown = fenced.findAll(repository.resolve(document).readText()).map { it.groupValues[1] }
             val compiled = snippets.filter { it.first == document }.map { it.second }
             assertTrue(compiled.isNotEmpty(), document)
@@ -80,12 +80,12 @@ class ReadmeTest {
         withTimeout(20_000) { while (sensors.registrations.size < 2) yield() }
         val events = events(tumbling(600)) + SensorSample.Up(UpSample(700 * STEP_NS, DeviceVector(0.0, 0.0, 9.8)))
         events.forEach(sensors::deliver)
-        assertTrue(Regex("[0-9.]+ deg, give or take [0-9.]+").matches(heading.await()), heading.await())
+        assertTrue(Regex("[0-9]+°, give or take [0-9]+°").matches(heading.await()), heading.await())
         // turned: the latest at once, though no event comes
         assertTrue("give or take" in model.text.first())
         assertEquals(1, sensors.most.get())
         withTimeout(20_000) { while (sensors.registrations.isNotEmpty()) delay(10) }
 
-        assertEquals("this phone has no magnetometer; hide the compass", CompassViewModel(FakeApp(FakeSensorManager())).text.first())
+        assertEquals("This phone has no compass.", CompassViewModel(FakeApp(FakeSensorManager())).text.first())
     }
 }

@@ -1,7 +1,7 @@
 package org.magcomp.sample
 
-import android.Manifest
 import android.annotation.SuppressLint
+import android.content.Intent
 import android.hardware.SensorManager
 import android.location.LocationManager
 import android.os.Bundle
@@ -17,10 +17,12 @@ import androidx.compose.runtime.setValue
 import androidx.compose.runtime.snapshotFlow
 import androidx.compose.ui.Modifier
 import androidx.compose.ui.res.stringResource
+import androidx.core.content.FileProvider
 import androidx.lifecycle.Lifecycle
 import androidx.lifecycle.compose.collectAsStateWithLifecycle
 import androidx.lifecycle.lifecycleScope
 import androidx.lifecycle.repeatOnLifecycle
+import java.io.File
 import kotlinx.coroutines.awaitCancellation
 import kotlinx.coroutines.flow.collectLatest
 import kotlinx.coroutines.launch
@@ -31,7 +33,7 @@ import org.magcomp.screenRotation
 class CompassActivity : ComponentActivity() {
     private var state by mutableStateOf(ScreenState())
     private var isHelped by mutableStateOf(false)
-    private val asked = registerForActivityResult(ActivityResultContracts.RequestPermission()) { isGranted -> isHelped = isGranted }
+    private val asked = registerForActivityResult(ActivityResultContracts.RequestMultiplePermissions()) { isHelped = CourseHelp.isAllowed(it) }
 
     override fun onCreate(saved: Bundle?) {
         super.onCreate(saved)
@@ -42,10 +44,12 @@ class CompassActivity : ComponentActivity() {
         setContent {
             val letters = listOf(R.string.north, R.string.east, R.string.south, R.string.west).map { stringResource(it) }
             val course = ScreenSwitch(isHelped, stringResource(if (isHelped) R.string.course_on else R.string.course_off)) { isWanted ->
-                if (isWanted) asked.launch(Manifest.permission.ACCESS_FINE_LOCATION) else isHelped = false
+                if (isWanted) asked.launch(CourseHelp.PERMISSIONS) else isHelped = false
             }
             val now by recording.state.collectAsStateWithLifecycle()
-            CompassScreen(state, letters, insets = Modifier.safeDrawingPadding(), switches = listOf(course, ScreenSwitch(now.isOn, now.text, recording::set)))
+            val share = now.file?.let { file -> ScreenButton(stringResource(R.string.share)) { share(file) } }
+            val switches = listOf(course, ScreenSwitch(now.isOn, now.text, recording::set))
+            CompassScreen(state, letters, insets = Modifier.safeDrawingPadding(), switches = switches, buttons = listOfNotNull(share))
         }
         lifecycleScope.launch {
             repeatOnLifecycle(Lifecycle.State.STARTED) { snapshotFlow { isHelped }.collectLatest { if (it) help(compass) } }
@@ -67,6 +71,12 @@ class CompassActivity : ComponentActivity() {
                 }
             }
         }
+    }
+
+    private fun share(file: File) {
+        val uri = FileProvider.getUriForFile(this, "org.magcomp.sample.recordings", file)
+        val send = Intent(Intent.ACTION_SEND).setType("application/gzip").putExtra(Intent.EXTRA_STREAM, uri).addFlags(Intent.FLAG_GRANT_READ_URI_PERMISSION)
+        startActivity(Intent.createChooser(send, getString(R.string.share)))
     }
 
     @SuppressLint("MissingPermission") // the switch asked for it

@@ -2,6 +2,7 @@ package org.magcomp.sample
 
 import androidx.compose.foundation.Canvas
 import androidx.compose.foundation.background
+import androidx.compose.foundation.clickable
 import androidx.compose.foundation.isSystemInDarkTheme
 import androidx.compose.foundation.rememberScrollState
 import androidx.compose.foundation.selection.toggleable
@@ -43,6 +44,9 @@ private class Ink(isDark: Boolean) {
 /** Whether something is on, in words, and what sets it. */
 class ScreenSwitch(val isOn: Boolean, val text: String, val onChange: (Boolean) -> Unit)
 
+/** Something that can be done, in words. */
+class ScreenButton(val text: String, val onClick: () -> Unit)
+
 /** The screen of a state; [letters] are those of north, east, south and west, [insets] keep clear of the system's bars. It decides nothing. */
 @Composable
 fun CompassScreen(
@@ -51,6 +55,7 @@ fun CompassScreen(
     isDark: Boolean = isSystemInDarkTheme(),
     insets: Modifier = Modifier,
     switches: List<ScreenSwitch> = emptyList(),
+    buttons: List<ScreenButton> = emptyList(),
 ) {
     val ink = Ink(isDark)
     Column(
@@ -64,6 +69,7 @@ fun CompassScreen(
         listOfNotNull(state.trueHeading, state.systemHeading, state.field, state.status, state.help, state.event, state.seen, state.guidance)
             .forEach { Words(it, ink) }
         switches.forEach { Words(it.text, ink, modifier = Modifier.toggleable(it.isOn, role = Role.Switch, onValueChange = it.onChange).padding(12.dp)) }
+        buttons.forEach { Words(it.text, ink, modifier = Modifier.clickable(role = Role.Button, onClick = it.onClick).padding(12.dp)) }
         if (state.unseen.isNotEmpty()) Sphere(state, ink)
     }
 }

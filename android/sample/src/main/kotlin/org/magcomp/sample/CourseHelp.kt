@@ -1,5 +1,6 @@
 package org.magcomp.sample
 
+import android.Manifest
 import android.location.Location
 import android.location.LocationListener
 import android.os.Bundle
@@ -25,4 +26,12 @@ class CourseHelp(private val compass: Compass) : LocationListener {
 
     @Deprecated("Android calls it before version 10")
     override fun onStatusChanged(provider: String?, status: Int, extras: Bundle?) = Unit
+
+    companion object {
+        /** Android 12 and newer want both in one request, or ignore it. */
+        val PERMISSIONS = arrayOf(Manifest.permission.ACCESS_FINE_LOCATION, Manifest.permission.ACCESS_COARSE_LOCATION)
+
+        /** Whether what the user granted is enough: an approximate place has no course. */
+        fun isAllowed(granted: Map<String, Boolean>): Boolean = granted[Manifest.permission.ACCESS_FINE_LOCATION] == true
+    }
 }

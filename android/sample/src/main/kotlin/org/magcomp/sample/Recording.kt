@@ -13,8 +13,8 @@ import kotlinx.coroutines.flow.StateFlow
 import kotlinx.coroutines.launch
 import org.magcomp.Compass
 
-/** Whether a recording goes on, and what came of it, in words. */
-data class RecordingState(val isOn: Boolean, val text: String)
+/** Whether a recording goes on, and what came of it, in words; [file]: the latest that is whole. */
+data class RecordingState(val isOn: Boolean, val text: String, val file: File? = null)
 
 /** Records the raw events of the compass's sensors into a folder, for `magcomp replay`, until it is told to stop. */
 class Recording(private val compass: Compass, private val folder: File?, private val scope: CoroutineScope, private val resources: Resources) {
@@ -34,9 +34,9 @@ class Recording(private val compass: Compass, private val folder: File?, private
         job = scope.launch {
             try {
                 compass.record(file)
-                told.value = RecordingState(false, say(R.string.recorded, file.path))
+                told.value = RecordingState(false, say(R.string.recorded, file.path), file)
             } catch (e: CancellationException) {
-                told.value = RecordingState(false, say(R.string.recorded, file.path))
+                told.value = RecordingState(false, say(R.string.recorded, file.path), file)
                 throw e
             } catch (e: Exception) {
                 // no room, no sensor

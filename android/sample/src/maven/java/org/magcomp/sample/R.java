@@ -18,6 +18,7 @@ final class R {
         static int record_off = 0x7f0f0011;
         static int recorded = 0x7f0f0012;
         static int not_recorded = 0x7f0f0013;
+        static int share = 0x7f0f0014;
         static int north = 0x7f0f0009;
         static int east = 0x7f0f000a;
         static int south = 0x7f0f000b;

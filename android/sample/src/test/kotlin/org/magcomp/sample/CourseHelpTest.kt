@@ -1,8 +1,11 @@
 package org.magcomp.sample
 
+import android.Manifest
 import android.location.Location
 import android.location.LocationListener
+import java.io.File
 import kotlin.math.sin
+import kotlin.time.Duration.Companion.ZERO
 import kotlinx.coroutines.flow.flow
 import kotlinx.coroutines.flow.toList
 import kotlinx.coroutines.runBlocking
@@ -48,7 +51,7 @@ class CourseHelpTest {
             }
         }
         val field = MagnetometerCalibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), DeviceVector(0.0, 0.0, 0.0), 49.244)
-        compass = Compass(source, CompensationConfig(initial = field, initialSigmaUt = 30.0), graceMs = 0)
+        compass = Compass(source, CompensationConfig(initial = field, initialSigmaUt = 30.0), grace = ZERO)
         help = CourseHelp(compass)
         val last = compass.readings().toList().last()
         assertEquals(HeadingAid.LEADS, last.headingAid)
@@ -57,6 +60,20 @@ class CourseHelpTest {
         compass.close()
         // after it nothing of the system's callbacks may throw
         help.onLocationChanged(Location("a test"))
+    }
+
+    @Test
+    fun `the precise place is asked for together with the approximate one, which alone has no course`() {
+        val (fine, coarse) = Pair(Manifest.permission.ACCESS_FINE_LOCATION, Manifest.permission.ACCESS_COARSE_LOCATION)
+        assertEquals(setOf(fine, coarse), CourseHelp.PERMISSIONS.toSet())
+        val sample = File(System.getProperty("repository.root"), "android/sample/src")
+        val declared = Regex("uses-permission android:name=\"([^\"]*)\"").findAll(sample.resolve("main/AndroidManifest.xml").readText())
+        assertEquals(setOf(fine, coarse), declared.map { it.groupValues[1] }.toSet())
+        val answers = listOf(mapOf(fine to true, coarse to true), mapOf(fine to false, coarse to true), mapOf(fine to false, coarse to false), emptyMap())
+        assertEquals(listOf(true, false, false, false), answers.map(CourseHelp::isAllowed))
+        // the activity, which is compiled in Android Studio alone, asks so
+        val activity = sample.resolve("activity/kotlin/org/magcomp/sample/CompassActivity.kt").readText()
+        assertTrue("RequestMultiplePermissions()" in activity && "asked.launch(CourseHelp.PERMISSIONS)" in activity)
     }
 
     @Test

@@ -41,7 +41,8 @@ class RecordingTest {
         assertTrue(recording.state.value.isOn && file.endsWith(".csv.gz") && File(file).parentFile == folder, file)
         emitted.await()
         recording.set(false)
-        assertEquals("recorded to $file", recording.state.first { !it.isOn }.text)
+        val ended = recording.state.first { !it.isOn }
+        assertEquals(Pair("recorded to $file", File(file)), Pair(ended.text, ended.file))
         assertEquals(100, RecordingSource(File(file)).samples().count())
     }
 
@@ -49,7 +50,8 @@ class RecordingTest {
     fun `what it can't write it says`(): Unit = runBlocking {
         val recording = Recording(compass, folder.resolve("none"), this, resources)
         recording.set(true)
-        val text = recording.state.first { !it.isOn }.text
+        val (_, text, file) = recording.state.first { !it.isOn }
+        assertEquals(null, file, "there is nothing to share")
         assertTrue(text.startsWith("not recorded: ") && "none" in text, text)
     }
 }

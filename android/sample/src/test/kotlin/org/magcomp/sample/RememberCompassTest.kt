@@ -10,12 +10,14 @@ import androidx.lifecycle.Lifecycle
 import androidx.lifecycle.LifecycleOwner
 import androidx.lifecycle.compose.LocalLifecycleOwner
 import java.util.concurrent.atomic.AtomicInteger
+import kotlin.time.Duration.Companion.ZERO
 import kotlinx.coroutines.awaitCancellation
 import kotlinx.coroutines.channels.Channel
 import kotlinx.coroutines.flow.flow
 import org.junit.jupiter.api.Assertions.assertEquals
 import org.junit.jupiter.api.Test
 import org.magcomp.Compass
+import org.magcomp.CompassState
 import org.magcomp.MagneticFieldSource
 import org.magcomp.MagneticSample
 import org.magcomp.ScreenRotation
@@ -46,12 +48,13 @@ class RememberCompassTest {
         val screen = object : LifecycleOwner {
             override val lifecycle = Lifecycle()
         }
-        val compass = Compass(source, graceMs = 0)
+        val compass = Compass(source, grace = ZERO)
         var rotation = Surface.ROTATION_90
         setContent {
             CompositionLocalProvider(LocalLifecycleOwner provides screen) {
                 val state = rememberCompass(compass) { rotation }.value
-                BasicText("time ${state.reading?.timeNs}, error ${state.error?.message}")
+                val ended = state as? CompassState.Ended
+                BasicText("time ${(state as? CompassState.Live)?.reading?.timeNs}, error ${if (ended == null) null else ended.error?.message ?: "none"}")
             }
         }
         fun shown(text: String) = waitUntil(20_000) { onAllNodes(hasText(text)).fetchSemanticsNodes().isNotEmpty() }

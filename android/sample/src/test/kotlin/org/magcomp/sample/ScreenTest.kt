@@ -17,6 +17,7 @@ import javax.imageio.ImageIO
 import javax.xml.parsers.DocumentBuilderFactory
 import kotlin.math.cos
 import kotlin.math.sin
+import kotlin.time.Duration.Companion.ZERO
 import kotlinx.coroutines.async
 import kotlinx.coroutines.awaitCancellation
 import kotlinx.coroutines.flow.MutableStateFlow
@@ -157,11 +158,11 @@ class ScreenTest {
             override fun samples() = events
         }
         val sample = SensorSample.Magnetic(MagneticSample(1, DeviceVector(1.0, 2.0, 3.0)))
-        val over = ScreenModel(resources).states(Compass(source(flowOf(sample)), graceMs = 0), MutableStateFlow(null)).toList()
+        val over = ScreenModel(resources).states(Compass(source(flowOf(sample)), grace = ZERO), MutableStateFlow(null)).toList()
         assertEquals("the readings have ended", over.last().status)
         assertNull(over.last().roseDeg)
         assertTrue(over.size == 2 && over[0].status.startsWith("collecting: "), "$over")
-        val broken = ScreenModel(resources).states(Compass(source(flow { error("broken") }), graceMs = 0), MutableStateFlow(null)).toList()
+        val broken = ScreenModel(resources).states(Compass(source(flow { error("broken") }), grace = ZERO), MutableStateFlow(null)).toList()
         assertTrue("broken" in broken.single().status)
     }
 
@@ -217,7 +218,7 @@ class ScreenTest {
 
             override val sensors = told
         }
-        val states = async { ScreenModel(resources).states(Compass(silent, graceMs = 0), MutableStateFlow(null)).first() }
+        val states = async { ScreenModel(resources).states(Compass(silent, grace = ZERO), MutableStateFlow(null)).first() }
         told.value = SensorsInUse(used.copy(isSilent = true), null, null, null)
         assertTrue("the magnetometer delivers nothing" in withTimeout(20_000) { states.await() }.status)
     }
@@ -231,11 +232,17 @@ class ScreenTest {
 
     private fun image(png: ByteArray) = ImageIO.read(png.inputStream())
 
-    /** The middle of the pixels in which two pictures differ, from the middle of the rose: right and up, in its radii. */
-    private fun where(one: ScreenState, other: ScreenState, letters: List<String> = this.letters, otherLetters: List<String> = letters): Pair<Double, Double> {
+    /** The pixels in which two pictures differ. */
+    private fun differing(one: ScreenState, other: ScreenState, letters: List<String>, otherLetters: List<String>): List<Pair<Int, Int>> {
         val (a, b) = Pair(image(drawn(one, letters = letters)), image(drawn(other, letters = otherLetters)))
         val at = (0 until a.height).flatMap { y -> (0 until a.width).filter { x -> a.getRGB(x, y) != b.getRGB(x, y) }.map { x -> Pair(x, y) } }
         assertTrue(at.isNotEmpty(), "the same picture")
+        return at
+    }
+
+    /** Their middle, from the middle of the rose: right and up, in its radii. */
+    private fun where(one: ScreenState, other: ScreenState, letters: List<String> = this.letters, otherLetters: List<String> = letters): Pair<Double, Double> {
+        val at = differing(one, other, letters, otherLetters)
         // the rose is the first thing: 260 dp below a margin of 24
         return Pair((at.map { it.first }.average() - 360) / 260, -(at.map { it.second }.average() - 308) / 260)
     }
@@ -254,13 +261,19 @@ class ScreenTest {
         // the needle and its sector point to N
         assertTrue(where(north, north.copy(sigmaDeg = 20.0)).second > 0.3)
         assertTrue(where(north.copy(roseDeg = 90.0), north.copy(roseDeg = 90.0, sigmaDeg = 20.0)).first < -0.3)
-        // two standard deviations to either side
+        // one standard deviation to either side, as far as the number
         val (narrow, wide) = listOf(north, north.copy(sigmaDeg = 20.0)).map { image(drawn(it)) }
         fun isInSector(deg: Int) = Math.toRadians(deg.toDouble()).let { a ->
             Pair((360 + 150 * sin(a)).toInt(), (308 - 150 * cos(a)).toInt()).let { (x, y) -> narrow.getRGB(x, y) != wide.getRGB(x, y) }
         }
-        assertEquals(listOf(false, true, true, true, true, false), listOf(-42, -38, -20, 20, 38, 42).map(::isInSector))
+        assertEquals(listOf(false, true, true, true, true, false), listOf(-22, -18, -10, 10, 18, 22).map(::isInSector))
         for (unknown in listOf(-1.0, Double.NaN)) assertEquals(0.0, where(north, north.copy(sigmaDeg = unknown)).second, 0.1, "the whole rose")
+        // letters stay upright: most of a T is above its middle
+        for (headingDeg in listOf(0.0, 90.0, 180.0, 225.0)) {
+            val state = ScreenState(roseDeg = headingDeg, sigmaDeg = 0.0)
+            val y = differing(state, state, listOf("T", "", "", ""), listOf("", "", "", "")).map { it.second }
+            assertTrue(y.average() < (y.min() + y.max()) / 2.0 - 1, "at $headingDeg")
+        }
         // the lubber line is at the top of an empty rose
         val empty = image(drawn(ScreenState()))
         val ink = (0 until empty.height).flatMap { y -> (0 until empty.width).filter { x -> empty.getRGB(x, y) == 0xff1b1b1b.toInt() }.map { x -> Pair(x, y) } }
@@ -298,6 +311,15 @@ class ScreenTest {
         onNodeWithText("the heading from outside disagrees, and is ignored").assertExists()
         onNodeWithText("course of the GNSS: does not help").assertIsOff().performClick()
         assertEquals(listOf(true), wanted)
+    }
+
+    @OptIn(ExperimentalTestApi::class)
+    @Test
+    fun `a recording is shared by a button`() = runDesktopComposeUiTest(720, 1480) {
+        var shared = 0
+        setContent { CompassScreen(ScreenState(), letters, isDark = false, buttons = listOf(ScreenButton(own.getValue("share")) { shared += 1 })) }
+        onNodeWithText("share the recording").performClick()
+        assertEquals(1, shared)
     }
 
     /** The picture of android/README.md is one of these. */
