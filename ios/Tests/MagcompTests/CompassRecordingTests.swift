@@ -115,7 +115,9 @@ private struct Seen: Equatable {
                     timeNs: timeNs - 1_000_000_000, headingDeg: 91.25, sigmaDeg: 3, reference: .true, axis: .vehicle),
                 HeadingSample(timeNs: timeNs + 5_000_000, headingDeg: 90, sigmaDeg: 4, reference: .magnetic, axis: helpful),
             ]
-            for heading in headings where try compass.aid(with: heading) { told.append(.heading(heading)) }
+            for heading in headings {
+                if try compass.aid(with: heading) { told.append(.heading(heading)) }
+            }
             #expect(told.count == 2)
             try await play(phone(100, from: 500), source, seen)
             let yaws: [WorldYaw] = [
