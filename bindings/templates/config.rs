@@ -2,7 +2,7 @@
 //! The settings' records and their conversions: what was left out becomes the core's default.
 
 // one way to write a member, whichever struct of the core's it is in
-#![allow(clippy::field_reassign_with_default)]
+#![allow(clippy::derivable_impls, clippy::field_reassign_with_default)]
 
 use super::choices::{Method, Normalisation, Residual, size};
 use crate::convert::count;

@@ -87,7 +87,7 @@ impl EnumView {
             camel: camel(&one.name),
             words: snake(&one.name).replace('_', " "),
             has_fields: fields().next().is_some(),
-            has_reals: fields().any(|field| is_real(field)),
+            has_reals: fields().any(is_real),
             has_texts: one.texts.is_some(),
             cases: cases?,
         })

@@ -73,13 +73,13 @@ pub(super) enum Angle {
 /// Of a corrected field; none where the motion does not tell it.
 pub(super) fn angle(field: &[Event], up: &[Event]) -> Option<Angle> {
     let mut windows: Vec<Matrix3<f64>> = Vec::new();
-    let (mut sum, mut samples, mut begin_s) = (Matrix3::zeros(), 0.0, f64::NAN);
+    let (mut sum, mut samples, mut begin_s) = (Matrix3::zeros(), 0.0, f64::NEG_INFINITY);
     for (time_s, value, up) in pairs(field, up) {
         let product = value.normalize() * up.transpose() / STANDARD_G;
         if !product.iter().all(|part| part.is_finite()) {
             continue;
         }
-        if !(time_s - begin_s < WINDOW_S) {
+        if time_s - begin_s >= WINDOW_S {
             if samples > 0.0 {
                 windows.push(sum / samples);
             }
