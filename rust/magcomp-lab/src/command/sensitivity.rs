@@ -47,7 +47,7 @@ impl Sensitivity {
         refuse_outputs(&inputs, &outputs, None)?;
         let (page, figures) = run(&SensitivityOptions { recordings, index, groups, only, switches, seeds })?;
         if let Some(path) = &csv {
-            write_atomically(path, |out| Ok(out.write_all(figures.as_bytes())?))?;
+            write_atomically(path, |out| out.write_all(figures.as_bytes()))?;
         }
         let mut out = std::io::stdout().lock();
         write!(out, "{}", page.markdown())?;

@@ -162,10 +162,10 @@ pub fn picture(drawn: &[Drawn<'_>], happened: &[(f64, &str)]) -> Result<String, 
 fn broken(points: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
     let mut out: Vec<(f64, f64)> = Vec::new();
     for (s, deg) in points {
-        if let Some((before_s, before_deg)) = out.last().copied() {
-            if s - before_s > 1.5 * SPAN_S || (deg - before_deg).abs() > 1.5 * SHOWN_DEG {
-                out.push((0.5 * (s + before_s), f64::NAN));
-            }
+        if let Some((before_s, before_deg)) = out.last().copied()
+            && (s - before_s > 1.5 * SPAN_S || (deg - before_deg).abs() > 1.5 * SHOWN_DEG)
+        {
+            out.push((0.5 * (s + before_s), f64::NAN));
         }
         out.push((s, deg));
     }

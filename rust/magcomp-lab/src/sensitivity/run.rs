@@ -63,7 +63,7 @@ fn pairs(subjects: &[(&'static str, Subject)]) -> Vec<(&'static str, Subject)> {
         };
         let own: Vec<_> = names.iter().filter_map(own).collect();
         for (k, one) in own.iter().enumerate() {
-            pairs.extend(own[k + 1..].iter().map(|other| (*part, Subject::Pair(*one, *other))));
+            pairs.extend(own[k + 1..].iter().map(|other| (*part, Subject::Pair(one, other))));
         }
     }
     pairs
@@ -120,7 +120,7 @@ pub fn run(options: &SensitivityOptions) -> Result<(Table, String), LabError> {
             _ => settings.clone().map(Contrast::of).collect(),
         };
         let moves = contrasts.iter().map(|contrast| Moves::of(&own, contrast)).collect();
-        Row { part: *part, subject: *subject, way: *way, moves }
+        Row { part, subject: *subject, way: *way, moves }
     };
     let rows: Vec<Row> = places.iter().map(row).collect();
     let csv = csv(&rows);

@@ -299,7 +299,9 @@ mod tests {
         Row { part, subject, way, moves: by.iter().map(moves).collect() }
     }
 
-    fn all() -> (Vec<(&'static str, Subject)>, Vec<(&'static str, &'static Mechanism)>) {
+    type Part = &'static str;
+
+    fn all() -> (Vec<(Part, Subject)>, Vec<(Part, &'static Mechanism)>) {
         let choices = Tunings::list().map(|(part, choice)| (part, Subject::Choice(choice)));
         (choices.collect(), Tunings::mechanisms().collect())
     }
