@@ -299,9 +299,10 @@ mod tests {
         Row { part, subject, way, moves: by.iter().map(moves).collect() }
     }
 
-    type Part = &'static str;
+    /// Each with its part.
+    type Named<T> = Vec<(&'static str, T)>;
 
-    fn all() -> (Vec<(Part, Subject)>, Vec<(Part, &'static Mechanism)>) {
+    fn all() -> (Named<Subject>, Named<&'static Mechanism>) {
         let choices = Tunings::list().map(|(part, choice)| (part, Subject::Choice(choice)));
         (choices.collect(), Tunings::mechanisms().collect())
     }
