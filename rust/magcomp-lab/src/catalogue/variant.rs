@@ -59,7 +59,7 @@ pub struct Variant {
 pub enum Place {
     /// Nothing: as no real place, or what is told is its unevenness.
     Even,
-    /// What rooms have ([`Surrounding::room`]), between these sideways, uT: [`ROOM_UT`].
+    /// What rooms have (`Surrounding::room`), between these sideways, uT: [`ROOM_UT`].
     Room,
     /// What is driven past: as large, and as slow for a car as a room for a walker. A guess, not measured.
     Street,
