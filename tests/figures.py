@@ -245,6 +245,9 @@ def comparison_page(pages):
             sure.append([group, str(len(own)), f"{mean:.0f}", f"{median(within):.0f} ({min(within):.0f})", f"{changes} of {true}"])
     pages.table(page, "### How sure", sure)
     pages.table(page, "### Other magnets", magnets_table(data(pages, MAGNETS)))
+    worst = lambda magnet: max(float(line["error_deg"]) for line in data(pages, MAGNETS) if line["magnet"] == magnet and line["group"] == QUIET and line["error_deg"])
+    pages.sentence(page, "with 300 uT put on one recording is {:.1f} degrees off afterwards, with 150 uT slid on over 10 s one is {:.1f}",
+                   map(worst, ("300 uT at once", "150 uT over 10 s")))
     sensor = ["nothing disturbs", "past a magnet that stands still", "a magnet on the sensor"]
     pages.table(page, "## A sensor with magnets", rows(sensor, "rms_deg", [method for method in methods if "window of" not in method]))
     north = [median(scores(pages, sensor[0], method, "north_rms_deg")) for method in ("VQF on the raw field", "x-io Fusion on the raw field", OURS)]

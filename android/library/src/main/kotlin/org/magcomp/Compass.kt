@@ -54,6 +54,7 @@ public class Compass internal constructor(
     dispatcher: CoroutineDispatcher,
     stores: CoroutineDispatcher = Dispatchers.IO,
 ) : AutoCloseable {
+    /** A compass of any source. */
     public constructor(
         source: MagneticFieldSource,
         config: CompensationConfig = CompensationConfig(),
