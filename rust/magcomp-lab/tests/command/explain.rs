@@ -20,10 +20,10 @@ fn explained(folder: &Path, input: &Path, options: &[&str]) -> (Vec<String>, Vec
 }
 
 /// A recording of so many seconds with a step at 20 s, in a folder.
-fn stepped(folder: &Path, seconds: &str) -> PathBuf {
+fn stepped(folder: &Path, seconds: &str, seed: &str) -> PathBuf {
     let input = folder.join("in.csv");
     let simulated =
-        run(&["simulate", text(&input), "--seconds", seconds, "--change", "step", "--at", "20", "--seed", "5"]);
+        run(&["simulate", text(&input), "--seconds", seconds, "--change", "step", "--at", "20", "--seed", seed]);
     assert_eq!(simulated.0, 0);
     input
 }
@@ -31,7 +31,7 @@ fn stepped(folder: &Path, seconds: &str) -> PathBuf {
 #[test]
 fn a_replay_explains_every_row() {
     let folder = tempfile::tempdir().unwrap();
-    let input = stepped(folder.path(), "30");
+    let input = stepped(folder.path(), "30", "2");
     let (columns, rows) = explained(folder.path(), &input, &[]);
     let recording = fs::read_to_string(&input).unwrap();
     assert_eq!(rows.len(), recording.lines().count() - 1);
@@ -41,25 +41,29 @@ fn a_replay_explains_every_row() {
     let cell = |row: usize, name: &str| rows[row][columns.iter().position(|column| column == name).unwrap()].as_str();
     let number = |row: usize, name: &str| cell(row, name).parse::<f64>().unwrap();
     assert_eq!((cell(50, "phase"), cell(50, "tries_both"), cell(50, "innovation_x_ut")), ("starting", "false", ""));
-    assert_eq!((cell(1999, "phase"), cell(1999, "sample"), cell(2000, "sample")), ("running", "used", "gated"));
-    assert!(number(1999, "test_ratio") < 1.0 && number(2000, "test_ratio") > 1.0);
-    // its story ends in the row of the decision
-    let decided = (0..rows.len()).find(|row| !cell(*row, "event").is_empty()).unwrap();
-    assert_eq!((cell(decided, "event"), cell(decided, "phase")), ("device_step", "running"));
-    assert!((number(decided, "event_onset_s") - 20.0).abs() < 0.1);
-    let before = decided - 1;
+    // the first frame with a sample of the change, each of up to four
+    let gated = (1_990..2_010).find(|row| cell(*row, "sample") == "gated").unwrap();
+    assert!((2_000..2_008).contains(&gated), "{gated}");
+    assert_eq!((cell(gated - 1, "phase"), cell(gated - 1, "sample")), ("running", "used"));
+    assert!(number(gated - 1, "test_ratio") < 1.0 && number(gated, "test_ratio") > 1.0);
+    // its story ends in the row of the decision, and is told once it has held
+    let told = (0..rows.len()).find(|row| !cell(*row, "event").is_empty()).unwrap();
+    assert_eq!((cell(told, "event"), cell(told, "phase")), ("device_step", "running"));
+    assert!((number(told, "event_onset_s") - 20.0).abs() < 0.1);
+    let before = (0..told).rfind(|row| cell(*row, "phase") == "undecided").unwrap();
+    assert!((1.5..3.0).contains(&(number(told, "t_s") - number(before, "t_s"))), "{}", number(before, "t_s"));
     assert_eq!((cell(before, "phase"), cell(before, "sample")), ("undecided", "compared"));
     assert_eq!((cell(before, "hypothesis_1_kind"), cell(before, "hypothesis_2_kind")), ("device", "place"));
-    assert_eq!(cell(before, "hypothesis_1_onset_s"), cell(decided, "event_onset_s"));
+    assert_eq!(cell(before, "hypothesis_1_onset_s"), cell(told, "event_onset_s"));
     assert!(number(before, "hypothesis_2_log_odds") < -20.0);
-    assert_eq!((decided + 1..rows.len()).find(|row| !cell(*row, "event").is_empty()), None);
+    assert_eq!((told + 1..rows.len()).find(|row| !cell(*row, "event").is_empty()), None);
 }
 
 /// Without a gyroscope a change is decided by the samples of a frame that is over.
 #[test]
 fn each_event_has_one_row_without_a_gyroscope_too() {
     let folder = tempfile::tempdir().unwrap();
-    let input = stepped(folder.path(), "40");
+    let input = stepped(folder.path(), "40", "5");
     let (columns, rows) = explained(folder.path(), &input, &["--ignore", "gyro"]);
     let (code, summary, _) = run(&["replay", text(&input), "--ignore", "gyro", "--json"]);
     assert_eq!(code, 0);
