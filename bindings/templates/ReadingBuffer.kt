@@ -52,17 +52,17 @@ public class ReadingBuffer {
     public fun toReading(): MagneticReading = reading(slots, 0, timeNs, event, status)
 
     internal companion object {
-{% for leaf in reading.leaves %}
+{% for leaf in reading.leaves if "+" not in leaf.slot %}
         const val {{ leaf.slot }} = {{ leaf.at }}
 {% endfor %}
 {% set n = reading.numbers %}
-        private const val EVENT = {{ n }}
-        private const val EVENT_TIMES = {{ n + 1 }}
-        private const val STATUS = {{ n + 5 }}
-        private const val REASON = {{ n + 6 }}
-        private const val FIT_PROBLEM = {{ n + 7 }}
-        private const val REAL = {{ n + 8 }}
-        private const val WHOLE = {{ n + 11 }}
+        const val EVENT = {{ n }}
+        const val EVENT_TIMES = {{ n + 1 }}
+        const val STATUS = {{ n + 5 }}
+        const val REASON = {{ n + 6 }}
+        const val FIT_PROBLEM = {{ n + 7 }}
+        const val REAL = {{ n + 8 }}
+        const val WHOLE = {{ n + 11 }}
 
         /** The numbers of a reading but for event and status. */
         const val NUMBERS = {{ n }}

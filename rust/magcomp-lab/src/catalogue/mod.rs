@@ -17,10 +17,12 @@ mod sensors;
 mod variant;
 
 pub use group::Group;
+#[cfg(not(target_family = "wasm"))]
 pub(crate) use happening::symmetric;
 pub use happening::{By, Happening, Swing, When};
 pub use phones::{CHANGE_S, FIELD_UT, PLACE_S, PhoneChange, phone};
 pub use sensors::Sensors;
+#[cfg(not(target_family = "wasm"))]
 pub(crate) use variant::hash;
 pub use variant::{DeviceKind, Kept, Place, ROOM_UT, Variant};
 

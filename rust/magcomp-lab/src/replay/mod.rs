@@ -28,11 +28,14 @@ mod verdict;
 mod view;
 
 pub use absolute::AbsoluteHeading;
+#[cfg(not(target_family = "wasm"))]
 pub(crate) use absolute::reference_heading_deg;
 pub use changes::{Declared, DeviceChange, PlaceDiffered};
 pub use circle::HeadingError;
+#[cfg(not(target_family = "wasm"))]
 pub(crate) use circle::off_deg;
 pub use directions::Kinds;
+#[cfg(not(target_family = "wasm"))]
 pub(crate) use directions::azimuth_deg;
 pub use explain::{write_explain_header, write_explanation};
 pub use export::{calibration_json, write_calibration};

@@ -51,16 +51,16 @@ public class ReadingBuffer {
     public val inclinationDeg: Double get() = slots[INCLINATION]
 
     /** Real part of the unit quaternion that takes a vector of the device frame to (east, north, up), north magnetic. */
-    public val attitudeW: Double get() = slots[ATTITUDE_W]
+    public val attitudeW: Double get() = slots[ATTITUDE]
 
     /** Its part of i. */
-    public val attitudeX: Double get() = slots[ATTITUDE_X]
+    public val attitudeX: Double get() = slots[ATTITUDE + 1]
 
     /** Its part of j. */
-    public val attitudeY: Double get() = slots[ATTITUDE_Y]
+    public val attitudeY: Double get() = slots[ATTITUDE + 2]
 
     /** Its part of k. */
-    public val attitudeZ: Double get() = slots[ATTITUDE_Z]
+    public val attitudeZ: Double get() = slots[ATTITUDE + 3]
 
     /** One standard deviation of the attitude, as [DeviceAttitude.sigmaDeg], degrees. NaN when the calibration's own uncertainty is not known. */
     public val attitudeSigmaDeg: Double get() = slots[ATTITUDE_SIGMA]
@@ -108,10 +108,7 @@ public class ReadingBuffer {
         const val HEADING_SIGMA = 9
         const val TRUE_HEADING = 10
         const val INCLINATION = 11
-        const val ATTITUDE_W = 12
-        const val ATTITUDE_X = 13
-        const val ATTITUDE_Y = 14
-        const val ATTITUDE_Z = 15
+        const val ATTITUDE = 12
         const val ATTITUDE_SIGMA = 16
         const val SIGMA_T = 17
         const val WINDOW = 18
@@ -121,13 +118,13 @@ public class ReadingBuffer {
         const val MODEL_ORDER = 22
         const val REPORTED_JUMP = 23
         const val MODE = 24
-        private const val EVENT = 25
-        private const val EVENT_TIMES = 26
-        private const val STATUS = 30
-        private const val REASON = 31
-        private const val FIT_PROBLEM = 32
-        private const val REAL = 33
-        private const val WHOLE = 36
+        const val EVENT = 25
+        const val EVENT_TIMES = 26
+        const val STATUS = 30
+        const val REASON = 31
+        const val FIT_PROBLEM = 32
+        const val REAL = 33
+        const val WHOLE = 36
 
         /** The numbers of a reading but for event and status. */
         const val NUMBERS = 25
@@ -141,12 +138,12 @@ public class ReadingBuffer {
             )
         }
 
-        fun attitude(slots: DoubleArray, at: Int = 0): DeviceAttitude? = known(slots[at + ATTITUDE_W])?.let {
+        fun attitude(slots: DoubleArray, at: Int = 0): DeviceAttitude? = known(slots[at + ATTITUDE])?.let {
             DeviceAttitude(
                 w = it,
-                x = slots[at + ATTITUDE_X],
-                y = slots[at + ATTITUDE_Y],
-                z = slots[at + ATTITUDE_Z],
+                x = slots[at + ATTITUDE + 1],
+                y = slots[at + ATTITUDE + 2],
+                z = slots[at + ATTITUDE + 3],
                 sigmaDeg = known(slots[at + ATTITUDE_SIGMA]),
             )
         }
