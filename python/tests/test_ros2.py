@@ -1,5 +1,6 @@
 """The ROS 2 node of ros2/: a bag that `rosbags` wrote is played to it message by message; what it publishes is what the compensator says of the recording."""
 
+import dataclasses
 import importlib
 import math
 import re
@@ -94,7 +95,7 @@ def test_a_bag_is_answered_as_the_recording_is(make, played, expected):
     for it in near:
         (sample,) = [sample for sample in raw if sample.header.stamp == it.header.stamp]
         by_pipeline = scale @ (vector(sample.magnetic_field) - vector(bias.magnetic_field))
-        np.testing.assert_allclose(vector(it.magnetic_field), by_pipeline, atol=0.7e-6)
+        np.testing.assert_allclose(vector(it.magnetic_field), by_pipeline, atol=2e-6)  # but for the delay, which the field is freed from
     b = vector(bias.magnetic_field) * 1e6
     np.testing.assert_allclose([-b[1], b[0], b[2]], calibration.hard_iron_ut, atol=1.0)
     assert unbiased[-1].magnetic_field_covariance[0] == pytest.approx(unbiased[-1].magnetic_field_covariance[8]) > 0
@@ -111,8 +112,9 @@ def test_diagnostics_say_what_the_status_says(make, played, expected):
 
 
 def test_the_order_in_which_topics_arrive_changes_nothing(make, played):
-    part = played[:4000]
+    part = played[:8000]
     want = azimuths(play(make(), part))
+    assert len(want) > 500
     # all of a topic 30 ms late
     for late in (IMU, MAG):
         moved = sorted(part, key=lambda it: it[1] + (30_000_000 if it[0] == late else 0))
@@ -135,8 +137,21 @@ def test_an_imu_message_that_comes_too_late_is_counted(make, played):
     assert values["imu_messages_left_out"] == "1"
 
 
+def test_half_of_an_imu_message_that_cannot_be_used_leaves_the_other_half(make, played):
+    def without_rate(topic, message):
+        if topic == IMU:
+            message = dataclasses.replace(message, angular_velocity=dataclasses.replace(message.angular_velocity, x=math.nan))
+        return message
+
+    node = play(make(), [(topic, at, without_rate(topic, message)) for topic, at, message in played])
+    # no gyroscope, but gravity: a heading comes later, and comes
+    assert len(azimuths(node)) > 500
+    values = {it.key: it.value for it in node.told("diagnostics")[-1].status[0].values}
+    assert int(values["imu_messages_left_out"]) > ROWS - 10
+
+
 def test_a_declination_makes_the_azimuth_the_true_one(make, played):
-    part = played[:6000]
+    part = played[:8000]
     magnetic, true = azimuths(play(make(), part)), play(make(declination_deg=10.0), part)
     found = azimuths(true, "compass/true/enu/rad")
     assert found.keys() == magnetic.keys() and len(found) > 100

@@ -82,11 +82,16 @@ class Compass(Node):
             if topic == MAG:
                 self._answer(time_ns, event)
                 continue
-            try:
-                self._compensator.push_rotation_rate(time_ns, _of(event.angular_velocity))
-                self._compensator.push_up(time_ns, _of(event.linear_acceleration))
-            except magcomp.EventError:
-                self._imus_left_out += 1
+            is_whole = True
+            for push, vector in (
+                (self._compensator.push_rotation_rate, event.angular_velocity),
+                (self._compensator.push_up, event.linear_acceleration),
+            ):
+                try:
+                    push(time_ns, _of(vector))
+                except magcomp.EventError:
+                    is_whole = False
+            self._imus_left_out += not is_whole
 
     def _answer(self, time_ns, message):
         reading = self._compensator.push(time_ns, _of(message.magnetic_field) / TESLA)
