@@ -28,7 +28,7 @@ private struct Seen: Equatable {
 }
 
 /// A recording plays as it was, whatever the compass was told meanwhile.
-@Suite(.timeLimit(.minutes(3))) struct CompassRecordingTests {
+@Suite(.timeLimit(.minutes(10))) struct CompassRecordingTests {
     private func file() -> URL { FileManager.default.temporaryDirectory.appendingPathComponent("\(UUID()).csv") }
 
     private func played(_ url: URL) async throws -> [Seen] {
