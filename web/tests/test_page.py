@@ -174,14 +174,16 @@ def wrong_files(browser, folder):
         (empty, "nothing in it"),
         (picture, "no text file"),
         (text_file, "notes.txt"),
-        (cut, "cannot be read"),
         (parquet, "this build does not read Parquet and Arrow"),
         (damaged, "damaged.zip"),
     ):
         why = replayed(browser, path)
         assert why is not None and says in why and "\n" not in why, f"{path.name}: {why}"
         assert not shown(browser, "running") and shown(browser, "choose")
-    # and the page goes on
+    # a recording that is cut off gives what precedes the cut, and says so; and the page goes on
+    assert replayed(browser, cut) is None
+    told = browser.run("document.getElementById('warnings').textContent + document.getElementById('report').srcdoc")
+    assert "cut off" in told, told[:400]
     assert replayed(browser, recording) is None
 
 
