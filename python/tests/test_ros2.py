@@ -98,7 +98,7 @@ def test_a_bag_is_answered_as_the_recording_is(make, played, expected):
         np.testing.assert_allclose(vector(it.magnetic_field), by_pipeline, atol=2e-6)  # but for the delay, which the field is freed from
     b = vector(bias.magnetic_field) * 1e6
     np.testing.assert_allclose([-b[1], b[0], b[2]], calibration.hard_iron_ut, atol=1.0)
-    assert unbiased[-1].magnetic_field_covariance[0] == pytest.approx(unbiased[-1].magnetic_field_covariance[8]) > 0
+    assert unbiased[-1].magnetic_field_covariance[0] == unbiased[-1].magnetic_field_covariance[8] > 0
 
 
 def test_diagnostics_say_what_the_status_says(make, played, expected):
