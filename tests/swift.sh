@@ -93,7 +93,7 @@ as_for_ios() {
     modules=$(modules)
     rm -rf "$work"
     mkdir -p "$work/library" "$work/app"
-    compile=(swift_tool swiftc -swift-version 6 -warnings-as-errors -emit-sil -o /dev/null -I "$modules" -parse-as-library
+    compile=(swift_tool swiftc -swift-version 6 -warnings-as-errors -wmo -emit-sil -o /dev/null -I "$modules" -parse-as-library
         -package-name magcomp -Xcc "-fmodule-map-file=$PWD/ios/Sources/MagcompFFI/module.modulemap")
     for file in ios/Sources/Magcomp/*.swift; do sed 's/os(iOS)/os(Linux)/' "$file" >"$work/library/${file##*/}"; done
     "${compile[@]}" -module-name Magcomp "$work"/library/*.swift
