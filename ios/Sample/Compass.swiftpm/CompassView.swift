@@ -39,9 +39,9 @@ struct CompassView: View {
     }
 
     private var headed: Binding<HeadedAxis?> {
-        Binding {
+        Binding { @MainActor in
             help?.headed
-        } set: { headed in
+        } set: { @MainActor headed in
             let helping = help ?? CourseHelp(model.compass)
             helping.headed = headed
             help = helping
