@@ -32,7 +32,7 @@ class ForeignCodeTest {
 
     private fun play(steps: Int) = repeat(steps) { phone.advance(still = false).forEach(sensors::deliver) }
 
-    private suspend fun until(what: () -> Boolean) = withTimeout(20_000) { while (!what()) delay(1) }
+    private suspend fun until(what: () -> Boolean) = withTimeout(120_000) { while (!what()) delay(1) }
 
     /** Stays until the gate opens, and says so. */
     private inner class Blocked {
@@ -40,7 +40,7 @@ class ForeignCodeTest {
 
         fun call() {
             calls.incrementAndGet()
-            check(gate.await(60, TimeUnit.SECONDS))
+            check(gate.await(300, TimeUnit.SECONDS))
         }
     }
 
@@ -111,9 +111,9 @@ class ForeignCodeTest {
         val running = Compass(source, grace = ZERO).start(Executor { it.run() }, listener)
         sensors.registered(3)
         val player = CoroutineScope(Dispatchers.IO).launch { while (true) play(1).also { delay(1) } }
-        assertTrue(entered.await(20, TimeUnit.SECONDS))
+        assertTrue(entered.await(120, TimeUnit.SECONDS))
         main.execute { runBlocking { begun.countDown(); source.samples().first() } }
-        assertTrue(waited.await(20, TimeUnit.SECONDS), "neither waits for the other")
+        assertTrue(waited.await(120, TimeUnit.SECONDS), "neither waits for the other")
         player.cancelAndJoin()
         running.close()
         main.shutdown()
@@ -123,7 +123,7 @@ class ForeignCodeTest {
     fun `while nothing else runs on the default dispatcher a compass begins, goes on and ends`() = runBlocking {
         val busy = List(maxOf(2, Runtime.getRuntime().availableProcessors())) { CountDownLatch(1) }
         val jobs = busy.map { begun -> CoroutineScope(Dispatchers.Default).launch { begun.countDown(); gate.await() } }
-        busy.forEach { assertTrue(it.await(20, TimeUnit.SECONDS)) }
+        busy.forEach { assertTrue(it.await(120, TimeUnit.SECONDS)) }
         try {
             val got = CopyOnWriteArrayList<CompassReading>()
             val stores = AtomicInteger()
@@ -189,7 +189,7 @@ class ForeignCodeTest {
                         joined.countDown()
                     }
                 }
-                assertTrue(joined.await(20, TimeUnit.SECONDS), "the reading that is told is there for who joins")
+                assertTrue(joined.await(120, TimeUnit.SECONDS), "the reading that is told is there for who joins")
             }
         }
         sensors.registered(3)
@@ -213,7 +213,7 @@ class ForeignCodeTest {
         until { sensors.registrations.isEmpty() }
         screen.cancelAndJoin()
         // who comes later is told the same
-        val late = withTimeout(20_000) { compass.state.first { it != CompassState.Waiting } }
+        val late = withTimeout(120_000) { compass.state.first { it != CompassState.Waiting } }
         assertTrue((late as CompassState.Ended).error is MagcompException.Closed, "$late")
     }
 
@@ -226,7 +226,7 @@ class ForeignCodeTest {
 
             override fun samples() = Played(events(tumbling(3))).samples()
         }
-        val ended = withTimeout(20_000) { Compass(Finite()).state.first { it is CompassState.Ended } } as CompassState.Ended
+        val ended = withTimeout(120_000) { Compass(Finite()).state.first { it is CompassState.Ended } } as CompassState.Ended
         assertEquals(null, ended.error)
         val told = java.util.concurrent.CompletableFuture<Pair<Int, Exception?>>()
         val listener = object : CompassReadingListener {
