@@ -286,7 +286,13 @@ class SensorManagerSourceTest {
             val sensors = FakeSensorManager(*all, fullScaleUt = fullScaleUt)
             val reading = async { Compass(sensors.source(), config, grace = ZERO).readings().first().reading }
             sensors.registered(3)
-            sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, 1, 1f, -1200.5f, 3f)
+            // until the one who asked is there to hear it
+            var timeNs = 0L
+            while (!reading.isCompleted) {
+                timeNs += 10_000_000
+                sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, timeNs, 1f, -1200.5f, 3f)
+                delay(1)
+            }
             return reading.await().status
         }
         assertEquals(CompensationStatus.Rejected(RejectReason.Saturated(DeviceAxis.Y, -1200.5, 1200.0)), status(1200f))
