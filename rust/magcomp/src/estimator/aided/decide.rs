@@ -97,6 +97,13 @@ impl Aided {
         }
     }
 
+    /// The same at the time of the latest sample.
+    pub(super) fn confirm_latest(&mut self) {
+        if let Some(time_ns) = self.last_ns {
+            self.confirm(time_ns);
+        }
+    }
+
     /// A hypothesis has won: it is the filter from here on.
     fn go_on_with(&mut self, winner: fn(Trial) -> Filter) {
         self.phase.decide(Some(winner));

@@ -23,11 +23,14 @@ impl Aided {
     /// Forgets the calibration, but for what is `given`; what is learned of the noise stays.
     pub(super) fn begin(&mut self, given: Option<Before>) {
         self.quarantine = Quarantine::default();
+        // its filter is not carried through a start
+        self.probation = None;
         self.phase = Phase::Starting(FirstFit::new(given, self.known_ut, &self.tuning));
     }
 
     /// Begins with a calibration from elsewhere.
     pub fn begin_from(&mut self, given: &Given) {
+        self.confirm_latest();
         // the gauge here is trace M = 3: e = 3 M / tr M - I
         let m = given.calibration.soft_iron();
         let (trace, b) = (m.trace(), given.calibration.hard_iron_ut());
@@ -49,9 +52,7 @@ impl Aided {
 
     /// No usable rotation for this sample: the first one, a gap, or no gyroscope.
     pub(super) fn without_rotation(&mut self, raw_ut: &Vector3<f64>, up: Option<Vector3<f64>>, dt_s: f64) {
-        if let Some(time_ns) = self.last_ns {
-            self.confirm(time_ns);
-        }
+        self.confirm_latest();
         self.was_broken |= self.chain_s > 0.0;
         self.chain_s = 0.0;
         self.judged = Some((SampleUse::NoRotation, None));

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::super::{Aided, Tuning};
 use super::simulator::World;
+use crate::calibration::Given;
 use crate::reading::{Event, EventKind};
 
 const MAGNET_UT: Vector3<f64> = Vector3::new(20.0, -15.0, 10.0);
@@ -82,6 +83,29 @@ fn a_chain_of_turns_that_breaks_ends_it() {
     aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
     assert_eq!(aided.event.map(|it| it.kind), Some(EventKind::DeviceStep));
     assert!(aided.probation.is_none());
+}
+
+/// A calibration from elsewhere comes meanwhile: the filter as it was is nothing to go back to afterwards.
+#[test]
+fn a_calibration_that_is_given_ends_it() {
+    let (mut world, mut aided) = on_probation(73);
+    let given = Given { calibration: aided.calibration().unwrap(), covariance: aided.covariance().unwrap() };
+    aided.begin_from(&given);
+    assert_eq!(aided.event.map(|it| it.kind), Some(EventKind::DeviceStep));
+    assert!(aided.probation.is_none());
+    assert_eq!(run(&mut world, &mut aided, 1_000), []);
+    assert!(off_ut(&world, &aided) < 2.0, "{}", off_ut(&world, &aided));
+}
+
+/// A filter that is no number begins anew, and nothing of before comes back.
+#[test]
+fn a_filter_that_is_not_finite_ends_it() {
+    let (mut world, mut aided) = on_probation(70);
+    aided.phase.running_mut().unwrap().filter.mean[0] = f64::NAN;
+    run(&mut world, &mut aided, 1);
+    assert!(aided.probation.is_none() && aided.phase.running().is_none());
+    run(&mut world, &mut aided, 1_500);
+    assert!(off_ut(&world, &aided) < 2.0, "{}", off_ut(&world, &aided));
 }
 
 /// 60 uT over four seconds; and off again at once, the other way.
