@@ -100,8 +100,8 @@ public class SensorManagerSource internal constructor(
 
     @Synchronized
     private fun join(taker: EventTaker) {
-        val run = run ?: begun().also { run = it }
-        run.add(taker)
+        val run = run
+        if (run == null) this.run = begun(taker) else run.add(taker)
     }
 
     @Synchronized
@@ -113,7 +113,7 @@ public class SensorManagerSource internal constructor(
         }
     }
 
-    private fun begun(): SensorRun {
+    private fun begun(first: EventTaker): SensorRun {
         val magnetometer = magnetometer() ?: throw SensorException.Missing("magnetometer", "hide the compass")
         val up = if (options.up) up() else null
         val gyroscope = if (options.gyroscope) manager.getDefaultSensor(Sensor.TYPE_GYROSCOPE) else null
@@ -123,7 +123,7 @@ public class SensorManagerSource internal constructor(
             gyroscope == null -> "this phone has no gyroscope"
             else -> null
         }
-        return SensorRun(manager, options, inUse, sleep, handover, continuousNs).apply { start(magnetometer, up, gyroscope, without) }
+        return SensorRun(manager, options, inUse, sleep, handover, continuousNs).apply { start(first, magnetometer, up, gyroscope, without) }
     }
 
     private fun magnetometer(): Sensor? = manager.getDefaultSensor(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED)

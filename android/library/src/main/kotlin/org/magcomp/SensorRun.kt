@@ -88,17 +88,18 @@ internal class SensorRun(
         }
     }
 
-    /** Registers the sensors. Where it throws, none is left registered. */
-    fun start(magnetometer: Sensor, up: Sensor?, gyroscope: Sensor?, withoutGyroscope: String?) {
+    /** Registers the sensors for [first], which misses none of their events. Where it throws, none is left registered. */
+    fun start(first: EventTaker, magnetometer: Sensor, up: Sensor?, gyroscope: Sensor?, withoutGyroscope: String?) {
         try {
             // before the first event
             sensors.value = SensorsInUse(used(magnetometer), up?.let(::used), gyroscope?.let(::used), withoutGyroscope)
+            add(first)
             register(magnetometer)
             up?.let(::register)
             try {
                 gyroscope?.let(::register)
             } catch (e: SensorException.Refused) {
-                sensors.update { it!!.copy(gyroscope = null, withoutGyroscope = e.message) }
+                hearAll { it.copy(gyroscope = null, withoutGyroscope = e.message) }
             }
         } catch (e: SensorException) {
             end()
