@@ -213,7 +213,7 @@ impl Aided {
             answer.carry = Some(Carry {
                 turn: step.turn,
                 up: self.motion.up,
-                tilt_rad2: self.motion.tilt_rad2,
+                tilt_rad2: answer.tilt_rad2.unwrap_or_else(|| self.motion.tilt_rad2(f64::INFINITY, &self.tuning)),
                 bias_rad2_s2,
                 is_bias_told: self.phase.known().is_some(),
                 span_s: dt_s,

@@ -5,13 +5,15 @@
 //! up <- R up,   up += (dt / T) (a - up),   a: accelerometer / G, low-passed for a second and turned likewise
 //! s += (dt / T_0) (accelerometer / G - up - s),   l += (dt / T_0) (s - l),   L = mean |s - l|^2 across up,   T_0 = 5 s
 //! D^2 = s_g^2 + P_ss |net rate|^2,   N^2: variance a second of what the gyroscope did between its events
-//! T = max(T_0, min(cbrt(L T_0 / (2 D^2)), sqrt(L T_0) / N)),   sigma_tilt^2 = L T_0 / T + D^2 T^2 + N^2 T + |l|^2 across up / 2
-//! C = sigma_tilt^2 p / (sigma_tilt^2 + p) / 2                what the errors of `up` and of m have in common, for a variance p of m's direction per axis
-//! up <- up + (C / p) turn x up                              when samples turn m
+//! T = max(T_0, min(cbrt(L T_0 / (2 D^2)), sqrt(2 L T_0) / N)),   t^2 = L T_0 / T + D^2 T^2 + N^2 T / 2
+//! C = t^2 p / (t^2 + p) / 2                what the errors of `up` and of m have in common, for a variance p of m's direction per axis
+//! up <- up + (C / p) turn x up             when samples turn m
+//! sigma_tilt^2 = t^2 / 2 + C + |l|^2 across up / 2
 //! ```
 //! Two sums of one noise of density q that leak over T_u and T_m have variances q T / 2 and the covariance q T_u T_m / (T_u + T_m). At the best T half of
-//! sigma_tilt^2, and of p, is the gyroscope's, so that q T_u = sigma_tilt^2 and q T_m = p; half of that covariance is counted, as both have other parts.
-//! Averaged over T, what lasts of the motion leaves L T_0 / T in `up`; the gyroscope tilts it by D T and N sqrt(T) meanwhile. What lasts longer, l, is
+//! t^2, and of p, is the gyroscope's, so that q T_u = t^2 and q T_m = p; half of that covariance is counted, as both have other parts. Where `up` follows m,
+//! the gyroscope's half of t^2 falls to C, what two witnesses of one error know together.
+//! Averaged over T, what lasts of the motion leaves L T_0 / T in `up`; the gyroscope tilts it by D T and N sqrt(T / 2) meanwhile. What lasts longer, l, is
 //! an error of `up` or of the accelerometer: it says nothing of the motion, so it is not in L. Source: docs/dev/METHOD-AIDED.md.
 
 use crate::math::elementary::{cbrt, gain};
@@ -45,8 +47,10 @@ pub(crate) struct Motion {
     net_rad_s: Vector3<f64>,
     pub(crate) up: Option<Vector3<f64>>,
     up_age_s: f64,
-    /// Variance of `up` about a horizontal axis for what motion adds to gravity, rad^2.
-    pub(crate) tilt_rad2: f64,
+    /// t^2: variance of `up` about a horizontal axis for motion and gyroscope, before it follows m, rad^2.
+    drawn_rad2: f64,
+    /// The same for what lasts, rad^2.
+    lasting_rad2: f64,
     /// a: the accelerometer, low-passed, in g.
     felt: Vector3<f64>,
     /// s: what the accelerometer reads beside gravity, low-passed, in g.
@@ -126,7 +130,7 @@ impl Motion {
         let density = self.leaning * tuning.settled_s;
         let bridged_rad2_s = self.bridged_rad2_s.max(LEAST_BRIDGED_RAD2_S);
         let best_s = if tuning.long_up {
-            cbrt(density / (2.0 * drift_rad2_s2)).min((density / bridged_rad2_s).sqrt())
+            cbrt(density / (2.0 * drift_rad2_s2)).min((2.0 * density / bridged_rad2_s).sqrt())
         } else {
             time_s
         };
@@ -136,10 +140,8 @@ impl Motion {
         self.lasting += (self.slow - self.lasting) * share(time_s);
         let across = |v: &Vector3<f64>| (v.norm_squared() - v.dot(&up).powi(2)).max(0.0);
         self.leaning += share(time_s) * (across(&(self.slow - self.lasting)) - self.leaning);
-        self.tilt_rad2 = density / up_time_s
-            + bridged_rad2_s * up_time_s
-            + drift_rad2_s2 * up_time_s.powi(2)
-            + 0.5 * across(&self.lasting);
+        self.drawn_rad2 = density / up_time_s + 0.5 * bridged_rad2_s * up_time_s + drift_rad2_s2 * up_time_s.powi(2);
+        self.lasting_rad2 = 0.5 * across(&self.lasting);
         self.up = up.try_normalize(1e-6);
     }
 
@@ -149,12 +151,18 @@ impl Motion {
         self.up = self.up.and_then(|up| (up + turn_rad.cross(&up) * share).try_normalize(1e-6));
     }
 
-    /// C, for a variance per axis of the carried field's direction, rad^2.
+    /// C, for a variance per axis of the carried field's direction, infinite where it is unknown, rad^2.
     pub(crate) fn common_rad2(&self, field_rad2: f64, tuning: &Tuning) -> f64 {
         if !tuning.follow || field_rad2 <= 0.0 {
             return 0.0;
         }
-        tuning.common_share * self.tilt_rad2 * field_rad2 / (self.tilt_rad2 + field_rad2)
+        tuning.common_share * self.drawn_rad2 / (1.0 + self.drawn_rad2 / field_rad2)
+    }
+
+    /// sigma_tilt^2, for the same, rad^2.
+    pub(crate) fn tilt_rad2(&self, field_rad2: f64, tuning: &Tuning) -> f64 {
+        let share = if tuning.follow { tuning.common_share } else { 0.0 };
+        self.drawn_rad2 * (1.0 - share) + self.common_rad2(field_rad2, tuning) + self.lasting_rad2
     }
 
     /// The gyroscope is gone: nothing is known about motion; `up` is the accelerometer's.

@@ -41,9 +41,9 @@ impl Aided {
         let [p_c, p_f] = covariances;
         let (c, f) = (Gaussian { mean: c, covariance: p_c }, Gaussian { covariance: p_f, ..f });
         let mut answer = self.answer(filter, c, Some(f))?;
-        answer.tilt_rad2 = Some(self.motion.tilt_rad2);
-        answer.common_rad2 =
-            self.motion.common_rad2(p_f.trace() / 3.0 / filter.part(FIELD).norm_squared(), &self.tuning);
+        let field_rad2 = p_f.trace() / 3.0 / filter.part(FIELD).norm_squared();
+        answer.common_rad2 = self.motion.common_rad2(field_rad2, &self.tuning);
+        answer.tilt_rad2 = Some(self.motion.tilt_rad2(field_rad2, &self.tuning));
         Some(answer)
     }
 

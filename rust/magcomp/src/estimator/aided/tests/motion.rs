@@ -6,6 +6,7 @@ use super::super::motion::Motion;
 use super::super::state::Filter;
 use super::super::step::Known;
 use super::super::tuning::Tuning;
+use super::simulator::Random;
 use crate::math::turn::Turn;
 
 /// A bias known to 0.001 rad/s.
@@ -30,7 +31,7 @@ fn a_turn_on_an_arm_does_not_tilt_up() {
     }
     assert!(worst_deg < 2.0, "{worst_deg} deg");
     // 22 deg of motion over a memory of 5 s
-    let sigma_deg = motion.tilt_rad2.sqrt().to_degrees();
+    let sigma_deg = motion.tilt_rad2(f64::INFINITY, &tuning).sqrt().to_degrees();
     assert!((0.4..2.0).contains(&sigma_deg), "{sigma_deg} deg");
 }
 
@@ -48,7 +49,7 @@ fn a_car_that_speeds_up_and_brakes_is_told() {
             if t_s > 20.0 {
                 // the angle is that about both horizontal axes
                 squares += 0.5 * motion.up.unwrap().angle(&Vector3::z()).powi(2) / 1e4;
-                variances += motion.tilt_rad2 / 1e4;
+                variances += motion.tilt_rad2(f64::INFINITY, &tuning) / 1e4;
             }
         }
         [squares, variances].map(|v| f64::sqrt(v).to_degrees())
@@ -91,7 +92,7 @@ fn a_slow_gyroscope_is_believed_for_less_long() {
         }
         // then it turns by 10 deg, and the gyroscope does not tell
         let gravity = Turn::by(&Vector3::x_axis().scale(10_f64.to_radians())).rotation * Vector3::z() * 9.80665;
-        let sigma_deg = motion.tilt_rad2.sqrt().to_degrees();
+        let sigma_deg = motion.tilt_rad2(f64::INFINITY, &tuning).sqrt().to_degrees();
         for k in 12_000..13_000 {
             let felt = gravity + Vector3::x() * if (k / 500) % 2 == 0 { 2.0 } else { -2.0 };
             motion.carry_up(&Matrix3::identity(), Some(felt), &known(), rad2_s * 0.01, 0.01, &tuning);
@@ -100,4 +101,49 @@ fn a_slow_gyroscope_is_believed_for_less_long() {
     });
     let (wider, nearer) = (much.0 / none.0, much.1 / none.1);
     assert!((1.5..4.0).contains(&wider) && (0.4..0.8).contains(&nearer), "{none:?}, {much:?} deg");
+}
+
+/// A gyroscope that loses so much a root of a second carries `up` and m; an accelerometer with motion draws the one, samples the other. Variance of `up` about
+/// a horizontal axis: what it is, and what is said of it.
+fn carried_beside_a_field(follow: bool, seed: u64) -> [f64; 2] {
+    let tuning = Tuning { follow, ..Tuning::default() };
+    let (mut random, mut motion) = (Random(seed), Motion::new());
+    let (dt_s, walk_rad, hand_m_s2, seen_rad) = (0.01_f64, 1_f64.to_radians(), 2.0, 0.1);
+    let gain = walk_rad * dt_s.sqrt() / seen_rad;
+    // at this gain its variance is walk_rad^2 dt / (2 gain)
+    let field_rad2 = walk_rad.powi(2) * dt_s / (2.0 * gain);
+    let (mut m, mut squares, mut variances) = (Vector3::y(), 0.0, 0.0);
+    for k in 0..60_000 {
+        let lost = random.vector(walk_rad * dt_s.sqrt());
+        let r = Turn::by(&lost).rotation;
+        m = r * m;
+        let felt = Vector3::z() * 9.80665 + random.vector(hand_m_s2);
+        motion.carry_up(&r, Some(felt), &known(), walk_rad.powi(2) * dt_s, dt_s, &tuning);
+        let turn = m.cross(&(Vector3::y() + random.vector(seen_rad))) * gain;
+        m = (m + turn.cross(&m)).normalize();
+        motion.follow(&turn, field_rad2, &tuning);
+        if k > 6_000 {
+            let up = motion.up.unwrap();
+            // about the axis along which m says something
+            squares += up.y.powi(2);
+            variances += motion.tilt_rad2(field_rad2, &tuning);
+        }
+    }
+    [squares, variances].map(|sum| sum / 54_000.0)
+}
+
+#[test]
+fn an_up_that_follows_the_field_is_nearer_and_says_so() {
+    let mean = |follow| {
+        let [is, said] = [1, 2, 3, 4]
+            .map(|seed| carried_beside_a_field(follow, seed))
+            .into_iter()
+            .fold([0.0; 2], |sum, it| [sum[0] + it[0] / 4.0, sum[1] + it[1] / 4.0]);
+        (is, said)
+    };
+    let (alone, follows) = (mean(false), mean(true));
+    for (is, said) in [alone, follows] {
+        assert!((0.5..1.0).contains(&(is / said)), "{is} {said}");
+    }
+    assert!(follows.0 < 0.85 * alone.0 && follows.1 < 0.85 * alone.1, "{alone:?} {follows:?}");
 }
