@@ -5,8 +5,8 @@
 #[cfg(test)]
 mod tests;
 
-use super::filter::{Filter, Kind, Leap};
-use super::frame::{Frame, Frames, MOST as FRAMES, Noise};
+use super::filter::{Filter, Kind, Leap, Size};
+use super::frame::{FRAMES, Frame, Frames, Noise};
 use super::parameters::{COUNT, Gaussian, LEAST_VARIANCE, NOTHING, Tau, TauMatrix, centre, shape, tau_of};
 use super::state::State;
 use super::tuning::Tuning;
@@ -25,11 +25,11 @@ use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// Choice: hypotheses that are kept.
-const MOST: usize = 18;
+const KEPT: usize = 18;
 /// Mathematics: places for those that one frame brings: six cold ones, eight changes, a former one, a fork and a twin.
 const BROUGHT: usize = 17;
 /// Places of hypotheses, which are large and stay where they are.
-type Places = ArrayVec<usize, { MOST + BROUGHT }>;
+type Places = ArrayVec<usize, { KEPT + BROUGHT }>;
 /// Choice: frames that hypotheses may run through again with one frame: three of the longest.
 const BUDGET: i64 = 3 * FRAMES as i64;
 /// Choice: frames between looks for a change that nothing announces.
@@ -40,9 +40,27 @@ const UNKNOWN_DEG: f64 = 8.0;
 pub(super) const LATELY: u64 = 8;
 /// Choice: a window of so many frames that is known is cut to half.
 const KNOWN_FRAMES: u64 = 96;
-/// Choice: frames of a young hypothesis, which takes more steps to where it belongs; and from one cold start to the next while nothing is known
-/// well: a change that was just seen needs so many before its hypotheses are known to that.
-const YOUNG: u64 = KNOWN_FRAMES / 2;
+/// Choice: a hypothesis with fewer frames runs again twice as often, to get to where it belongs.
+const EXTRA_RUNS_FRAMES: u64 = KNOWN_FRAMES / 2;
+/// Choice: frames from one cold start to the next while nothing is known well: a change that was just seen needs so many before its hypotheses are
+/// known to that.
+const COLD_RETRY_FRAMES: u64 = KNOWN_FRAMES / 2;
+
+/// The hypothesis that changes begin from.
+struct Parent {
+    id: u32,
+    known: Gaussian,
+    state: State,
+}
+
+impl Parent {
+    /// A change of this kind since a frame, known as `base`.
+    fn child(&self, kind: Kind, base: State, lin: Tau, number: u64, onset_ns: i64) -> Filter {
+        let mut child = Filter::new(kind, base, lin, number, onset_ns);
+        (child.parent, child.former) = (self.id, (kind != Kind::Place).then_some(self.known));
+        child
+    }
+}
 
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Bank {
@@ -59,7 +77,7 @@ pub(super) struct Bank {
 impl Bank {
     /// Takes all memory.
     pub fn new(unit_ut: f64) -> Self {
-        Self { all: Roomy::<Vec<_>>::new(MOST + BROUGHT), frames: Frames::new(), unit_ut, ..Self::default() }
+        Self { all: Roomy::<Vec<_>>::new(KEPT + BROUGHT), frames: Frames::new(), unit_ut, ..Self::default() }
     }
 
     /// Forgets everything, in the memory that is there.
@@ -142,7 +160,7 @@ impl Bank {
             let surprised = best.is_surprised(&frame, tuning, self.unit_ut);
             let looks = tuning.looks && self.frames.next - self.looked >= LOOK;
             // a cold start is always in the race
-            if tuning.cold_again && unknown && self.frames.next - self.looked >= YOUNG {
+            if tuning.cold_again && unknown && self.frames.next - self.looked >= COLD_RETRY_FRAMES {
                 self.looked = self.frames.next;
                 self.begin_cold(&frame, best.log_joint() + ln(RARE), strength_known, tuning);
             }
@@ -167,33 +185,63 @@ impl Bank {
     /// Changes that begin with this frame. One that surprises may be of any kind; without surprise a change is a small one, and sudden.
     fn spawn(&mut self, place: usize, frame: &Frame, surprised: bool, seconds: f64, tuning: &Tuning) {
         let parent = &self.all[place];
-        let (id, moves, likely) = (parent.id, parent.moves, parent.log_joint());
-        let known = parent.now.known();
+        let (moves, likely) = (parent.moves, parent.log_joint());
         let log = |per_h: f64| likely + ln(per_h * seconds / 3600.0);
-        let mut state = parent.now.clone();
-        state.odd = 0;
-        let number = self.frames.next;
-        let child = |kind: Kind, base: State, lin: Tau, of: u32, size: u8| {
-            let mut child = Filter::new(kind, base, lin, number, frame.time_ns);
-            (child.id, child.size, child.parent) = (of, size, id);
-            child.former = (kind != Kind::Place).then_some(known);
-            child
-        };
+        let mut parent = Parent { id: parent.id, known: parent.now.known(), state: parent.now.clone() };
+        parent.state.odd = 0;
         let (of_device, of_place) = (self.new_id(), self.new_id());
-        let honest = state.honest();
-        let scale = shape(&known.mean).trace() / 3.0;
-        let sizes =
-            [(0, LEAST_TOLD_UT), (1, tuning.step_ut), (9, LARGEST_UT)].into_iter().take(if surprised { 3 } else { 2 });
+        let log_device = log(tuning.devices_per_h) - LN_2;
+        self.spawn_device_steps(&parent, frame, of_device, log_device, surprised, tuning);
+        for (size, differs) in [(Size::Least, ROOM_UT / self.unit_ut), (Size::Usual, tuning.place)] {
+            let mut base = parent.state.clone();
+            base.moves_to(differs, frame.time_ns);
+            base.log = log(tuning.places_per_h) - LN_2;
+            let mut child = parent.child(Kind::Place, base, parent.known.mean, self.frames.next, frame.time_ns);
+            (child.id, child.size) = (of_place, size);
+            self.all.push(child);
+        }
+        if let Some(former) = self.former.filter(|_| surprised && tuning.recall) {
+            let mut base = parent.state.with(&former);
+            base.log = log_device;
+            let mut child = parent.child(Kind::Former, base, former.mean, self.frames.next, frame.time_ns);
+            child.id = of_device;
+            self.all.push(child);
+        }
+        // b may move, or rest
+        let is_rival = |it: &Filter| it.moves != moves && it.log_joint() > likely - 9.0;
+        if tuning.moves && !self.all.iter().any(is_rival) {
+            let rates = (!moves).then(|| tuning.rates(self.unit_ut));
+            let fork = self.all[place].fork(rates, self.frames.next, log(tuning.devices_per_h));
+            self.keep(|_, it| it.moves == moves);
+            self.all.push(fork);
+        }
+    }
+
+    /// Steps of b and M of each size, sudden ones and such as take a while.
+    fn spawn_device_steps(
+        &mut self,
+        parent: &Parent,
+        frame: &Frame,
+        id: u32,
+        log: f64,
+        surprised: bool,
+        tuning: &Tuning,
+    ) {
+        let number = self.frames.next;
+        let honest = parent.state.honest();
+        let scale = shape(&parent.known.mean).trace() / 3.0;
+        let sizes = [(Size::Least, LEAST_TOLD_UT), (Size::Usual, tuning.step_ut), (Size::Magnet, LARGEST_UT)];
+        let sizes = sizes.into_iter().take(if surprised { 3 } else { 2 });
         let ways: &[bool] = if surprised && tuning.gradual { &[false, true] } else { &[false] };
         for ((size, step), takes_time) in sizes.flat_map(|size| ways.iter().map(move |way| (size, *way))) {
-            let mut base = state.clone();
+            let mut base = parent.state.clone();
             base.p.fixed_view_mut::<COUNT, COUNT>(0, 0).copy_from(&honest.covariance);
             base.widen(step / self.unit_ut, IRON_PER_UT * step * scale);
             base.begin_spread();
-            base.log = log(tuning.devices_per_h) - LN_2;
-            let mut child = child(Kind::Device, base, known.mean, of_device, size);
-            child.takes_time = takes_time;
-            child.leap = (tuning.leap && size == 9 && number > LATELY).then(|| Leap {
+            base.log = log;
+            let mut child = parent.child(Kind::Device, base, parent.known.mean, number, frame.time_ns);
+            (child.id, child.size, child.takes_time) = (id, size, takes_time);
+            child.leap = (tuning.leap && size == Size::Magnet && number > LATELY).then(|| Leap {
                 known: honest,
                 from: self.frames.at(number - 1).u,
                 from_ns: self.frames.at(number - 1).time_ns,
@@ -201,25 +249,6 @@ impl Bank {
                 step: step / self.unit_ut,
             });
             self.all.push(child);
-        }
-        for (size, differs) in [(0, ROOM_UT / self.unit_ut), (1, tuning.place)] {
-            let mut base = state.clone();
-            base.moves_to(differs, frame.time_ns);
-            base.log = log(tuning.places_per_h) - LN_2;
-            self.all.push(child(Kind::Place, base, known.mean, of_place, size));
-        }
-        if let Some(former) = self.former.filter(|_| surprised && tuning.recall) {
-            let mut base = state.with(&former);
-            base.log = log(tuning.devices_per_h) - LN_2;
-            self.all.push(child(Kind::Former, base, former.mean, of_device, 2));
-        }
-        // b may move, or rest
-        let is_rival = |it: &Filter| it.moves != moves && it.log_joint() > likely - 9.0;
-        if tuning.moves && !self.all.iter().any(is_rival) {
-            let rates = (!moves).then(|| tuning.rates(self.unit_ut));
-            let fork = self.all[place].fork(rates, number, log(tuning.devices_per_h));
-            self.keep(|_, it| it.moves == moves);
-            self.all.push(fork);
         }
     }
 
@@ -264,15 +293,15 @@ impl Bank {
             if length + 2 >= FRAMES || is_settled {
                 filter.forget(self.frames.next - left_over, &self.frames, tuning, self.unit_ut);
             }
-            let mut tries = if length < YOUNG { 4 } else { 2 };
+            let mut tries = if length < EXTRA_RUNS_FRAMES { 4 } else { 2 };
             while left > 0 && tries > 0 && filter.wants_run() {
                 left -= filter.run(&self.frames, tuning, self.unit_ut) as i64;
                 tries -= 1;
             }
             if length + 1 >= KNOWN_FRAMES {
-                filter.look();
+                filter.estimate_error();
             }
-            filter.judge(tuning, self.unit_ut);
+            filter.penalize(tuning, self.unit_ut);
         }
     }
 
@@ -285,7 +314,7 @@ impl Bank {
             let filter = &self.all[k];
             let is_young = filter.kind == Kind::Cold && latest - filter.first < LATELY;
             let is_likely = filter.log_joint().is_finite() && (filter.log_joint() > top - HOPELESS || is_young);
-            if kept.len() < MOST
+            if kept.len() < KEPT
                 && is_likely
                 && !kept.iter().any(|better| self.all[*better].makes_needless(filter, latest))
             {
@@ -295,7 +324,7 @@ impl Bank {
         self.keep(|k, _| kept.contains(&k));
         let Some(place) = self.best_place() else { return };
         let best = &mut self.all[place];
-        best.look();
+        best.estimate_error();
         if best.is_known()
             && let Some(former) = best.former.take()
         {

@@ -28,23 +28,14 @@ pub(super) struct Decision {
 
 impl Decision {
     pub fn review(&mut self, bank: &Bank, time_ns: i64, unit_ut: f64, tuning: &Tuning) {
-        let since = |ns: i64| seconds(ns, time_ns);
         let Some(best) = bank.best() else { return };
-        // the place
-        // half of what another place usually is
-        let told = 0.5 * tuning.place;
-        let (level, tilted, variance) = best.now.level();
-        let off = level.abs().max(tilted.abs()) > told && variance.sqrt() < 0.5 * told;
-        let beyond = beyond_earth(&best.now.tau(), unit_ut) > told;
-        self.elsewhere =
-            best.now.place_ns.filter(|ns| off && since(*ns) < tuning.new_place_s).or(beyond.then_some(best.onset_ns));
-        // the device
-        let known = best.now.tau();
+        self.find_elsewhere(best, time_ns, unit_ut, tuning);
         let Some(before) = self.told.filter(|_| best.kind != Kind::Cold) else {
             self.take(best);
             return;
         };
-        self.suspected_ns = None;
+        let least = LEAST_TOLD_UT / unit_ut;
+        let moved = |it: &Tau| (centre(it) - centre(&before)).norm() > least;
         // those that began while the change took place say the same
         let began_ns = |onset_ns: i64| onset_ns.saturating_sub((tuning.ramp_s * 1e9) as i64);
         let same = |(kind, ns): (Kind, i64)| {
@@ -53,38 +44,58 @@ impl Decision {
         if self.change.is_some_and(same) {
             self.id = best.id;
         }
-        let least = LEAST_TOLD_UT / unit_ut;
-        let moved = |it: &Tau| (centre(it) - centre(&before)).norm() > least;
-        let matters = |it: &Filter| !it.is_known() || moved(&it.now.tau());
-        if best.id != self.id && matters(best) {
-            self.suspected_ns = Some(best.onset_ns);
-        } else if best.now.odd > 0 {
-            self.suspected_ns = Some(time_ns);
+        let matters = !best.is_known() || moved(&best.now.tau());
+        self.suspected_ns =
+            if best.id != self.id && matters { Some(best.onset_ns) } else { (best.now.odd > 0).then_some(time_ns) };
+        self.tell_place(bank, best, time_ns, tuning);
+        if best.id == self.id {
+            self.told = Some(best.now.tau());
+            return;
         }
+        let is_of_it = |h: &Filter| h.onset_ns >= began_ns(best.onset_ns) && h.id != self.id;
+        if seconds(best.onset_ns, time_ns) >= tuning.change_s
+            && best.is_shown(tuning)
+            && bank.probability(is_of_it) >= 1.0 - RARE
+        {
+            self.take(best);
+            self.order = if best.kind == Kind::Former { ModelOrder::Former } else { ModelOrder::All };
+            self.tell_device(best, moved(&best.now.tau()), time_ns, tuning);
+        }
+    }
+
+    /// Since when the place is not as usual: its field differs by half of what another place's does, or is none of the Earth's.
+    fn find_elsewhere(&mut self, best: &Filter, time_ns: i64, unit_ut: f64, tuning: &Tuning) {
+        let least = 0.5 * tuning.place;
+        let (level, tilted, variance) = best.now.level();
+        let off = level.abs().max(tilted.abs()) > least && variance.sqrt() < 0.5 * least;
+        let beyond = beyond_earth(&best.now.tau(), unit_ut) > least;
+        self.elsewhere = best
+            .now
+            .place_ns
+            .filter(|ns| off && seconds(*ns, time_ns) < tuning.new_place_s)
+            .or(beyond.then_some(best.onset_ns));
+    }
+
+    /// Another place is told once, when it has lasted and hardly anything speaks against it.
+    fn tell_place(&mut self, bank: &Bank, best: &Filter, time_ns: i64, tuning: &Tuning) {
         if let Some(ns) = self.elsewhere
             && best.now.place_ns == Some(ns)
             && self.told_place != Some(ns)
-            && since(ns) >= tuning.change_s
+            && seconds(ns, time_ns) >= tuning.change_s
             && bank.probability(|it| it.now.place_ns == best.now.place_ns) > 1.0 - RARE
         {
             self.told_place = Some(ns);
             self.event = Some(Event { kind: EventKind::PlaceChanged, since_ns: ns, decided_ns: time_ns });
         }
-        if best.id == self.id {
-            self.told = Some(known);
-            return;
-        }
-        let own = |h: &Filter| h.onset_ns >= began_ns(best.onset_ns) && h.id != self.id;
-        if since(best.onset_ns) < tuning.change_s || !best.is_shown(tuning) || bank.probability(own) < 1.0 - RARE {
-            return;
-        }
-        self.take(best);
-        self.order = if best.kind == Kind::Former { ModelOrder::Former } else { ModelOrder::All };
+    }
+
+    /// A change of the device is told where b moved, unless it is part of the one that was told last.
+    fn tell_device(&mut self, best: &Filter, moved: bool, time_ns: i64, tuning: &Tuning) {
         let is_told = |told: Event| {
             (best.onset_ns.saturating_sub(told.since_ns) as f64) < tuning.change_s * 1e9
                 && told.kind != EventKind::PlaceChanged
         };
-        if moved(&known) && !self.event.is_some_and(is_told) {
+        if moved && !self.event.is_some_and(is_told) {
             let kind = if best.kind == Kind::Former { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
             self.event = Some(Event { kind, since_ns: best.onset_ns, decided_ns: time_ns });
         }

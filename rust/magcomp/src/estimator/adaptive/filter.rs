@@ -35,6 +35,18 @@ pub(super) enum Kind {
     Former,
 }
 
+/// How large a change is, before it is seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub(super) enum Size {
+    /// So small that it is just told.
+    #[default]
+    Least,
+    /// A cover; another room.
+    Usual,
+    /// A magnet.
+    Magnet,
+}
+
 /// A large change of the device, before it is done: b changes by what the field does meanwhile, but for what the device turns.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Leap {
@@ -54,7 +66,7 @@ pub(super) struct Filter {
     pub kind: Kind,
     pub id: u32,
     pub parent: u32,
-    pub size: u8,
+    pub size: Size,
     pub moves: bool,
     /// The change takes a while.
     pub takes_time: bool,
@@ -78,7 +90,8 @@ pub(super) struct Filter {
     frames: f64,
     /// The state that takes `lin` for the truth.
     pub fixed: State<BESIDE>,
-    pub gain: f64,
+    /// What its probability loses where the mean has left the point that its frames are linear about, and for a field that the Earth's is not.
+    pub penalty: f64,
 }
 
 impl Filter {
@@ -105,9 +118,9 @@ impl Filter {
         }
     }
 
-    /// Log of the joint probability; at `lin` where the mean lies where the frames do not follow.
+    /// Log of the joint probability of its onset and all frames.
     pub fn log_joint(&self) -> f64 {
-        self.now.log - self.gain
+        self.now.log - self.penalty
     }
 
     fn way(&self, tuning: &Tuning, unit_ut: f64) -> Way {
@@ -239,20 +252,20 @@ impl Filter {
         cost
     }
 
-    /// How well it is known.
-    pub fn look(&mut self) {
+    /// Works out the expected direction error.
+    pub fn estimate_error(&mut self) {
         self.error = self.now.known().error();
     }
 
-    pub fn judge(&mut self, tuning: &Tuning, unit_ut: f64) {
+    pub fn penalize(&mut self, tuning: &Tuning, unit_ut: f64) {
         let off = self.off();
-        self.gain = 0.0;
+        self.penalty = 0.0;
         if off.norm() > 2.0 * NEAR {
-            self.gain =
+            self.penalty =
                 Ldl::new(&self.now.known().covariance).map_or(0.0, |factors| 0.5 * off.dot(&factors.solve(&off)));
         }
         let beyond = beyond_earth(&self.now.tau(), unit_ut);
-        self.gain += 0.5 * (beyond / tuning.soft_iron).powi(2);
+        self.penalty += 0.5 * (beyond / tuning.soft_iron).powi(2);
     }
 
     /// The oldest frames become part of the beginning.
@@ -267,8 +280,8 @@ impl Filter {
         self.fixed.follow(&self.lin, frames, until..frames.next, way, tuning);
     }
 
-    /// Whether another that is less likely says the same: twins in one place, and changes of nearly the same time, whose onsets are kept on a grid
-    /// that doubles with their age.
+    /// Whether a less likely hypothesis says what this one says: twins in one place, and changes of nearly the same time, whose onsets are kept on a
+    /// grid that doubles with their age.
     pub fn makes_needless(&self, other: &Self, latest: u64) -> bool {
         let is_twin = || (self.now.tau() - other.now.tau()).norm() < NEAR;
         let means = |it: &Self| (it.moves, it.leap.is_some());
@@ -310,7 +323,7 @@ impl Filter {
         let way = self.way(tuning, unit_ut);
         self.now.follow(&self.lin, frames, self.first..frames.next, way, tuning);
         self.fixed.follow(&self.lin, frames, self.first..frames.next, way, tuning);
-        self.judge(tuning, unit_ut);
-        self.look();
+        self.penalize(tuning, unit_ut);
+        self.estimate_error();
     }
 }

@@ -70,7 +70,7 @@ impl Frame {
 const MOVED: f64 = 0.5 * LN_2;
 
 /// Choice: frames that are kept, some 20 s of motion.
-pub(super) const MOST: u64 = 256;
+pub(super) const FRAMES: u64 = 256;
 
 /// The latest frames by their number.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -82,7 +82,7 @@ pub(super) struct Frames {
 impl Frames {
     /// Takes all memory.
     pub fn new() -> Self {
-        Self { ring: Roomy::<Vec<_>>::new(MOST as usize), next: 0 }
+        Self { ring: Roomy::<Vec<_>>::new(FRAMES as usize), next: 0 }
     }
 
     pub fn clear(&mut self) {
@@ -91,15 +91,15 @@ impl Frames {
     }
 
     pub fn push(&mut self, frame: Frame) {
-        if self.next < MOST {
+        if self.next < FRAMES {
             self.ring.push(frame);
         } else {
-            self.ring[(self.next % MOST) as usize] = frame;
+            self.ring[(self.next % FRAMES) as usize] = frame;
         }
         self.next += 1;
     }
 
     pub fn at(&self, number: u64) -> &Frame {
-        &self.ring[(number % MOST) as usize]
+        &self.ring[(number % FRAMES) as usize]
     }
 }

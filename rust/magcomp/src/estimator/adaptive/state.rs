@@ -13,7 +13,7 @@
 mod tests;
 
 use super::frame::{Frame, Frames};
-use super::parameters::{BESIDE, COUNT, Gaussian, LEAST_VARIANCE, Numbers, STATES, Tau, gradient, see, shape};
+use super::parameters::{BESIDE, COUNT, Gaussian, LEAST_VARIANCE, Numbers, STATES, Seen, Tau, gradient, see, shape};
 use super::rate::{Over, Rate};
 use super::spread::Spread;
 use super::tuning::Tuning;
@@ -144,6 +144,26 @@ impl<const N: usize> State<N> {
 
     /// One frame, linear about `lin`; impossible from here on where lin is none of its.
     pub fn step(&mut self, lin: &Tau, frame: &Frame, way: Way, tuning: &Tuning) {
+        let moved = self.predict(frame, &way, tuning);
+        if frame.time_ns < way.done_ns {
+            return;
+        }
+        let Some(seen) = see(lin, &frame.u) else {
+            self.log = f64::NEG_INFINITY;
+            return;
+        };
+        // what is not linear: a centre that is off by d across the line of sight
+        let across = if Self::KNOWS_TAU { (self.p[(6, 6)] + self.p[(7, 7)] + self.p[(8, 8)]) / 3.0 } else { 0.0 };
+        let Some(s) = self.add_field(lin, &seen, across, frame, &way, tuning) else { return };
+        if Self::KNOWS_TAU && tuning.spread {
+            self.spread.walk(moved);
+            self.spread.add(frame, &seen.direction, s);
+        }
+        self.add_up(lin, &seen, across, frame, &way, tuning);
+    }
+
+    /// What lasts fades, and b moves; by how much its variance along an axis grows.
+    fn predict(&mut self, frame: &Frame, way: &Way, tuning: &Tuning) -> f64 {
         let rough = if tuning.rough && frame.time_ns < way.rough_until_ns { ROUGH * ROUGH } else { 1.0 };
         self.lasts(UNEVEN, Lasting { variance: frame.uneven.variance * rough, ..frame.uneven });
         self.lasts(TILT, frame.tilt);
@@ -155,13 +175,19 @@ impl<const N: usize> State<N> {
                 moved += self.moves(rates, frame.seconds);
             }
         }
-        if frame.time_ns < way.done_ns {
-            return;
-        }
-        let Some(seen) = see(lin, &frame.u) else {
-            self.log = f64::NEG_INFINITY;
-            return;
-        };
+        moved
+    }
+
+    /// The strength of a frame's field. Its variance, where it is no spike.
+    fn add_field(
+        &mut self,
+        lin: &Tau,
+        seen: &Seen,
+        across: f64,
+        frame: &Frame,
+        way: &Way,
+        tuning: &Tuning,
+    ) -> Option<f64> {
         let mut g = Numbers::<N>::zeros();
         if Self::KNOWS_TAU {
             let by_tau = gradient(lin, &seen.direction, &(seen.offset / seen.radius), 0.0) / seen.slope;
@@ -170,17 +196,14 @@ impl<const N: usize> State<N> {
         (g[Self::AT + LEVEL], g[Self::AT + UNEVEN]) = (-1.0 / seen.slope, -1.0 / seen.slope);
         let e = (seen.radius - 1.0) / seen.slope;
         let (mut nu, mut s, mut pg) = self.innovation(lin, e, &g, frame.white);
-        // what is not linear: a centre that is off by d across the line of sight
-        let across = if Self::KNOWS_TAU { (self.p[(6, 6)] + self.p[(7, 7)] + self.p[(8, 8)]) / 3.0 } else { 0.0 };
-        let is_odd = |nu: f64, s: f64| nu * nu > OUTLYING * OUTLYING * (s + across * across);
-        if is_odd(nu, s) {
+        if nu * nu > OUTLYING * OUTLYING * (s + across * across) {
             self.odd += 1;
             if self.odd < 2 {
                 self.log += ln(RARE * 0.5);
                 if frame.up.is_some() {
                     self.log += ln(0.5);
                 }
-                return;
+                return None;
             }
             // another place
             self.moves_to(tuning.place, frame.time_ns);
@@ -188,11 +211,12 @@ impl<const N: usize> State<N> {
             (nu, s, pg) = self.innovation(lin, e, &g, frame.white);
         }
         self.odd = 0;
-        self.learn(nu, s, &g, &pg, &way);
-        if Self::KNOWS_TAU && tuning.spread {
-            self.spread.walk(moved);
-            self.spread.add(frame, &seen.direction, s);
-        }
+        self.learn(nu, s, &g, &pg, way);
+        Some(s)
+    }
+
+    /// The part of its direction along the vertical.
+    fn add_up(&mut self, lin: &Tau, seen: &Seen, across: f64, frame: &Frame, way: &Way, tuning: &Tuning) {
         let Some(up) = frame.up else { return };
         let sine = up.dot(&seen.direction);
         let mu = lin[9].clamp(-STEEPEST, STEEPEST);
@@ -211,7 +235,7 @@ impl<const N: usize> State<N> {
         if nu * nu > OUTLYING * OUTLYING * (s + across) {
             self.log += ln(RARE * 0.5);
         } else {
-            self.learn(nu, s, &g, &pg, &way);
+            self.learn(nu, s, &g, &pg, way);
         }
     }
 

@@ -156,6 +156,6 @@ fn the_hopeless_and_the_needless_go() {
         bank.all[last].now.log = 1.0;
     }
     bank.prune();
-    assert_eq!(bank.all.len(), MOST);
+    assert_eq!(bank.all.len(), KEPT);
     assert!(bank.all.iter().all(|it| it.now.log == 1.0));
 }

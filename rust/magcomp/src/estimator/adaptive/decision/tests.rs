@@ -20,7 +20,7 @@ fn hypothesis(kind: Kind, id: u32, onset_ns: i64, b_ut: f64, log: f64) -> Filter
     base.log = log;
     let mut filter = Filter::new(kind, base, mean, 0, onset_ns);
     filter.id = id;
-    filter.look();
+    filter.estimate_error();
     assert!(filter.is_known());
     filter
 }

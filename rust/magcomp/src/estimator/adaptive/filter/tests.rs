@@ -138,7 +138,7 @@ fn onsets_are_kept_on_a_grid_that_doubles_with_their_age() {
     let one = at(90, 1);
     let others: [fn(&mut Filter); 5] = [
         |it| it.kind = Kind::Place,
-        |it| it.size = 1,
+        |it| it.size = Size::Usual,
         |it| it.parent = 5,
         |it| it.moves = true,
         |it| it.kind = Kind::Cold,
@@ -197,8 +197,8 @@ fn a_point_is_as_likely_beforehand_as_its_distance_and_its_scale_say() {
 fn what_a_hypothesis_costs_where_it_is() {
     let mut filter = Filter::new(Kind::Device, State::new(&known(), 0.0, 0.0), known().mean, 0, ONSET_NS);
     let of = |filter: &mut Filter| {
-        filter.judge(&Tuning::USED, UNIT_UT);
-        (filter.gain, filter.now.log - filter.log_joint())
+        filter.penalize(&Tuning::USED, UNIT_UT);
+        (filter.penalty, filter.now.log - filter.log_joint())
     };
     assert_eq!(of(&mut filter), (0.0, 0.0));
     for (off, cost) in [(1.99 * NEAR, 0.0), (2.01 * NEAR, 0.5 * (2.01 * NEAR).powi(2) / 1e-4)] {
