@@ -9,7 +9,7 @@
 
 use super::Aided;
 use super::earth::Earth;
-use super::events::{Trial, Verdict};
+use super::events::{Began, Trial, Verdict};
 use super::phase::Phase;
 use super::probation::Probation;
 use super::quarantine::Quarantine;
@@ -18,13 +18,13 @@ use super::step::Step;
 use crate::reading::{Event, EventKind};
 
 impl Aided {
-    /// The hypotheses start from the filter; `is_blind`: after a pause.
-    pub(super) fn begin_trial(&mut self, is_blind: bool) {
+    /// The hypotheses start from the filter.
+    pub(super) fn begin_trial(&mut self, began: Began) {
         let Phase::Running(running) = &self.phase else { return };
         // after a pause the turn alone may have been wrong: it is no time to recall
-        let former = self.former.as_ref().filter(|_| !is_blind);
+        let former = self.former.as_ref().filter(|_| began != Began::Pause);
         let mut trial = Trial::start(running, &running.filter, former, &self.tuning);
-        (trial.is_blind, trial.hold_s) = (is_blind, self.bursts.hold_s(&self.tuning));
+        (trial.began, trial.hold_s) = (began, self.bursts.hold_s(&self.tuning));
         self.bursts.begin();
         if let Phase::Running(running) = self.phase.take() {
             self.phase = Phase::Undecided(running, trial);
@@ -34,43 +34,22 @@ impl Aided {
     /// One sample while the hypotheses run; the filter is as it was, predicted.
     pub(super) fn run_trial(&mut self, step: &Step<'_>) {
         let Phase::Undecided(running, trial) = &mut self.phase else { return };
-        let verdict = trial.step(step, running, self.former.as_ref(), &self.tuning);
-        let since_ns = trial.onset_ns;
-        let event = |kind| Some(Event { kind, since_ns, decided_ns: step.time_ns });
-        match verdict {
-            Verdict::Device => {
-                let told = trial.device_event(&running.filter, &self.tuning).and_then(event);
-                let probation = Probation::new(running, told, since_ns);
-                // after a pause, or a change of the place, the filter as it was is nothing to go back to
-                let is_told_at_once = trial.is_blind || trial.was_place || !self.tuning.probation;
-                if trial.was_place {
-                    running.carry_earth(since_ns, &self.tuning);
-                }
-                self.probation = Some(probation);
-                self.go_on_with(|trial| trial.device);
-                if is_told_at_once {
-                    self.confirm(step.time_ns);
-                }
-                return;
-            }
+        match trial.step(step, running, self.former.as_ref(), &self.tuning) {
+            Verdict::Device => return self.take_device(step.time_ns),
             Verdict::Unchanged => {
                 self.bursts.was_the_place();
                 return self.go_on_with(|trial| trial.place);
             }
-            Verdict::Place | Verdict::NewPlace => {
-                self.bursts.was_the_place();
-                let is_new = verdict == Verdict::NewPlace;
-                if !is_new {
-                    self.event = event(EventKind::PlaceChanged);
+            Verdict::Place => {
+                let (kind, since_ns) = (EventKind::PlaceChanged, trial.onset_ns);
+                self.event = Some(Event { kind, since_ns, decided_ns: step.time_ns });
+                if self.take_place(false) {
+                    return;
                 }
-                let is_earth = |earth: &mut Earth| earth.is_that_of(&trial.place, &running.filter, &self.tuning);
-                let is_back = running.earth.take_if(is_earth).is_some();
-                if is_new && !is_back {
-                    running.carry_earth(since_ns, &self.tuning);
-                }
-                if is_new || is_back {
-                    return self.go_on_with(|trial| trial.place);
-                }
+            }
+            Verdict::NewPlace => {
+                self.take_place(true);
+                return;
             }
             Verdict::Neither => {
                 self.bursts.begin();
@@ -79,10 +58,42 @@ impl Aided {
             }
             Verdict::Open => {}
         }
-        if !trial.is_blind && running.watch.share < 0.5 * self.tuning.suspect_share {
+        let Phase::Undecided(running, trial) = &self.phase else { return };
+        if trial.began != Began::Pause && running.watch.share < 0.5 * self.tuning.suspect_share {
             self.bursts.was_the_place();
             self.phase.decide(None); // nothing happened, or it is over
         }
+    }
+
+    /// `device` has won. After a pause, or a change of the place, the filter as it was is nothing to go back to: it is told at once.
+    fn take_device(&mut self, time_ns: i64) {
+        let Phase::Undecided(running, trial) = &mut self.phase else { return };
+        let (began, since_ns) = (trial.began, trial.onset_ns);
+        let told = trial.device_event(&running.filter, &self.tuning);
+        let told = told.map(|kind| Event { kind, since_ns, decided_ns: time_ns });
+        self.probation = Some(Probation::new(running, told, since_ns));
+        if began == Began::ChangedPlace {
+            running.carry_earth(since_ns, &self.tuning);
+        }
+        self.go_on_with(|trial| trial.device);
+        if began != Began::Misfit || !self.tuning.probation {
+            self.confirm(time_ns);
+        }
+    }
+
+    /// `place` has won; whether the filter goes on as it: where it has lasted, or is the usual place again.
+    fn take_place(&mut self, is_new: bool) -> bool {
+        let Phase::Undecided(running, trial) = &mut self.phase else { return false };
+        self.bursts.was_the_place();
+        let is_earth = |earth: &mut Earth| earth.is_that_of(&trial.place, &running.filter, &self.tuning);
+        let is_back = running.earth.take_if(is_earth).is_some();
+        if is_new && !is_back {
+            running.carry_earth(trial.onset_ns, &self.tuning);
+        }
+        if is_new || is_back {
+            self.go_on_with(|trial| trial.place);
+        }
+        is_new || is_back
     }
 
     /// A change that is on probation has held, or nothing more will be seen of it: it is told.

@@ -43,18 +43,43 @@ pub(crate) enum Verdict {
     NewPlace,
 }
 
+/// What a trial began with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub(crate) enum Began {
+    /// Samples that do not fit.
+    #[default]
+    Misfit,
+    /// A pause, in which the turn was guessed: `place` is then that nothing but it changed.
+    Pause,
+    /// Samples that fit a changed place no longer: the hypotheses started anew.
+    ChangedPlace,
+}
+
+/// How far a trial has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub(crate) enum Stage {
+    /// The hypotheses are compared.
+    #[default]
+    Comparing,
+    /// The field of the place was found to have changed.
+    Place {
+        /// For how long it has held.
+        held_s: f64,
+        /// When it was found, or later, when nearly all samples of late fitted it.
+        fitted_ns: i64,
+    },
+}
+
 /// The hypotheses `device` and `place`, running.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Trial {
-    /// Whether the field of the place was found to have changed, and whether it was before the hypotheses started anew.
-    pub(super) is_place: bool,
-    pub(super) was_place: bool,
+    pub(super) began: Began,
+    stage: Stage,
     pub(super) onset_ns: i64,
     pub(super) device: Filter,
     pub(super) place: Filter,
+    /// `device` is a former calibration.
     recalled: bool,
-    /// It began with a pause, in which the turn was guessed: `place` is then that nothing but it changed.
-    pub(super) is_blind: bool,
     /// How long a change must hold, s.
     pub(super) hold_s: f64,
     log_ratio: f64,
@@ -64,10 +89,6 @@ pub(crate) struct Trial {
     pub(super) rotation_rad: f64,
     /// Seconds since the hypotheses were started (last).
     age_s: f64,
-    /// Seconds the place hypothesis has held.
-    place_s: f64,
-    /// When the place was found to have changed, or later, when nearly all samples of late fitted it.
-    fitted_ns: i64,
 }
 
 impl Trial {
@@ -91,11 +112,16 @@ impl Trial {
         Self { onset_ns: watch.since_ns, device, place, recalled: recall.is_some(), ..Self::default() }
     }
 
+    /// Whether the field of the place was found to have changed.
+    pub(super) fn is_place(&self) -> bool {
+        self.stage != Stage::Comparing
+    }
+
     /// What is told once `device` has won over `filter`, which is as it was before; None if it is but relearned.
     pub(crate) fn device_event(&self, filter: &Filter, tuning: &Tuning) -> Option<EventKind> {
         let moved_ut = (self.device.part(HARD_IRON) - filter.part(HARD_IRON)).norm();
         // after a pause b may have walked
-        let least_ut = if self.is_blind { tuning.smallest_step_ut } else { LEAST_TOLD_UT };
+        let least_ut = if self.began == Began::Pause { tuning.smallest_step_ut } else { LEAST_TOLD_UT };
         let kind = if self.recalled { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
         (moved_ut > least_ut).then_some(kind)
     }
@@ -116,54 +142,73 @@ impl Trial {
     ) -> Verdict {
         let Running { filter, watch, .. } = running;
         self.turn(step);
+        self.walk_in_a_ramp(step.dt_s, tuning);
+        self.update(step, tuning);
+        // a cover comes off in a while: what it leaves shows later than the onset
+        if let Some(former) = former.filter(|_| !self.recalled && !self.is_place() && watch.fits_former(tuning)) {
+            self.recall(filter, former, tuning);
+        }
+        // while the filter as it was explains the samples, nothing else wins
+        let unchanged = self.began != Began::Pause && !self.is_place() && watch.share < MOST;
+        if step.resting || unchanged {
+            return Verdict::Open;
+        }
+        self.decide(step.time_ns, step.dt_s, tuning).unwrap_or_else(|| {
+            *self = self.anew(running, former, tuning);
+            Verdict::Neither
+        })
+    }
+
+    /// While a change takes place, what it changes is unknown.
+    fn walk_in_a_ramp(&mut self, dt_s: f64, tuning: &Tuning) {
         if tuning.ramp && self.age_s < tuning.ramp_s {
-            let variance = tuning.smallest_step_ut.powi(2) * step.dt_s / tuning.ramp_s;
+            let variance = tuning.smallest_step_ut.powi(2) * dt_s / tuning.ramp_s;
             self.device.add_variance(HARD_IRON, variance);
             self.place.add_variance(FIELD, variance);
         }
+    }
+
+    /// Both hypotheses are tested by a sample, and learn from it where it fits them.
+    fn update(&mut self, step: &Step<'_>, tuning: &Tuning) {
         if let Some(variance) = step.bias_variance {
             // whatever has changed, at rest the rate is the bias
             self.device.update_bias(step.rate_rad_s, variance);
             self.place.update_bias(step.rate_rad_s, variance);
         }
-        if !step.resting {
-            let seen = |it: &Filter| it.innovation(step, tuning);
-            if let (Some(device), Some(place)) = (seen(&self.device), seen(&self.place)) {
-                self.judge(&device, &place, step, tuning);
-                if device.nis < tuning.gate {
-                    self.device.update(&device, NONE);
-                }
-                if place.nis < tuning.gate {
-                    self.place.update(&place, ALL_BUT_FIELD);
-                }
+        if step.resting {
+            return;
+        }
+        let innovation = |it: &Filter| it.innovation(step, tuning);
+        if let (Some(device), Some(place)) = (innovation(&self.device), innovation(&self.place)) {
+            self.compare(&device, &place, step, tuning);
+            if device.nis < tuning.gate {
+                self.device.update(&device, NONE);
+            }
+            if place.nis < tuning.gate {
+                self.place.update(&place, ALL_BUT_FIELD);
             }
         }
-        // a cover comes off in a while: what it leaves shows later than the onset
-        if let Some(former) = former.filter(|_| !self.recalled && !self.is_place && watch.fits_former(tuning)) {
-            self.device = filter.clone();
-            former.put_into(&mut self.device, tuning);
-            self.recalled = true;
-            self.log_ratio = 0.0;
-            self.device_misfit = 0.0;
-        }
-        // while the filter as it was explains the samples, nothing else wins
-        let unchanged = !self.is_blind && !self.is_place && watch.share < MOST;
-        if step.resting || unchanged {
-            return Verdict::Open;
-        }
-        self.decide(step.time_ns, step.dt_s, tuning).unwrap_or_else(|| {
-            // a ramp, or a field that keeps changing
-            // in a place that held, the device may have stepped
-            let held = tuning.place_holds && self.is_place && self.place_s > tuning.settled_s;
-            *self = Self {
-                onset_ns: if held { self.fitted_ns } else { self.onset_ns },
-                is_blind: self.is_blind,
-                hold_s: self.hold_s,
-                was_place: self.was_place || self.is_place,
-                ..Self::start(running, if held { &self.place } else { filter }, former, tuning)
-            };
-            Verdict::Neither
-        })
+    }
+
+    /// `device` becomes the filter as it was, with a former calibration.
+    fn recall(&mut self, filter: &Filter, former: &Former, tuning: &Tuning) {
+        self.device = filter.clone();
+        former.put_into(&mut self.device, tuning);
+        self.recalled = true;
+        self.log_ratio = 0.0;
+        self.device_misfit = 0.0;
+    }
+
+    /// The hypotheses start anew: a ramp, or a field that keeps changing. In a place that held, the device may have stepped.
+    fn anew(&self, running: &Running, former: Option<&Former>, tuning: &Tuning) -> Self {
+        let (onset_ns, there) = match self.stage {
+            Stage::Place { held_s, fitted_ns } if tuning.place_holds && held_s > tuning.settled_s => {
+                (fitted_ns, &self.place)
+            }
+            _ => (self.onset_ns, &running.filter),
+        };
+        let began = if self.is_place() { Began::ChangedPlace } else { self.began };
+        Self { onset_ns, began, hold_s: self.hold_s, ..Self::start(running, there, former, tuning) }
     }
 
     /// The hypotheses, the likelier first.
@@ -173,13 +218,13 @@ impl Trial {
             ChangeHypothesis { kind, onset_ns: self.onset_ns, log_odds: log_odds.min(0.0), gated_share }
         };
         let device = if self.recalled { ChangeKind::DeviceBack } else { ChangeKind::Device };
-        let place = if self.is_blind { ChangeKind::Unchanged } else { ChangeKind::Place };
+        let place = if self.began == Began::Pause { ChangeKind::Unchanged } else { ChangeKind::Place };
         let device = of(device, self.log_ratio, self.device_misfit);
         let place = of(place, -self.log_ratio, self.place_misfit);
         if self.log_ratio < 0.0 { [place, device] } else { [device, place] }
     }
 
-    fn judge(&mut self, device: &Innovation, place: &Innovation, step: &Step<'_>, tuning: &Tuning) {
+    fn compare(&mut self, device: &Innovation, place: &Innovation, step: &Step<'_>, tuning: &Tuning) {
         let log = |i: &Innovation| -0.5 * (i.nis.min(tuning.gate) + i.ln_det);
         let weight = (step.dt_s / SAMPLE_S) * f64::from(self.age_s >= tuning.ramp_s);
         self.log_ratio += weight * (log(device) - log(place));
@@ -193,12 +238,12 @@ impl Trial {
     /// `None` when what was believed has stopped fitting: the hypotheses start anew.
     fn decide(&mut self, time_ns: i64, dt_s: f64, tuning: &Tuning) -> Option<Verdict> {
         let (device_fits, place_fits) = (self.device_misfit < MOST, self.place_misfit < MOST);
-        if self.is_place {
+        if let Stage::Place { held_s, fitted_ns } = &mut self.stage {
             if self.place_misfit < 0.5 * tuning.suspect_share {
-                self.fitted_ns = time_ns;
+                *fitted_ns = time_ns;
             }
-            self.place_s += dt_s;
-            let is_new = self.place_s > tuning.place_time_s;
+            *held_s += dt_s;
+            let is_new = *held_s > tuning.place_time_s;
             return place_fits.then_some(if is_new { Verdict::NewPlace } else { Verdict::Open });
         }
         if !device_fits && !place_fits {
@@ -212,10 +257,10 @@ impl Trial {
             Verdict::Open
         } else if self.log_ratio > tuning.decide_log_ratio && device_holds {
             Verdict::Device
-        } else if self.is_blind && place_fits {
+        } else if self.began == Began::Pause && place_fits {
             Verdict::Unchanged
         } else if self.log_ratio < -tuning.decide_log_ratio && place_fits {
-            (self.is_place, self.fitted_ns) = (true, time_ns);
+            self.stage = Stage::Place { held_s: 0.0, fitted_ns: time_ns };
             Verdict::Place
         } else {
             Verdict::Open

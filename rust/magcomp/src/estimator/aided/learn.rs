@@ -8,6 +8,7 @@
 //! ```
 
 use super::Aided;
+use super::events::Began;
 use super::measure::{Innovation, NONE};
 use super::phase::Phase;
 use super::propagate::ProcessNoise;
@@ -133,7 +134,7 @@ impl Aided {
         self.judged = Some((usage, Some(told)));
         if is_blind && !is_open {
             running.watch.begin(step.time_ns, innovation.v.norm());
-            self.begin_trial(true);
+            self.begin_trial(Began::Pause);
         }
         if is_open || is_blind {
             return self.run_trial(step);
@@ -214,7 +215,7 @@ impl Aided {
             {
                 running.filter = proven;
             }
-            self.begin_trial(false);
+            self.begin_trial(Began::Misfit);
         } else if running.watch.share < 0.5 * self.tuning.suspect_share {
             self.quarantine.learned(&running.filter, step.dt_s, &self.tuning);
         }

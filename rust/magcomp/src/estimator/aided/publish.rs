@@ -109,7 +109,7 @@ impl Aided {
             Phase::Starting(first) if first.given.is_none() => Status::Collecting(first.missing()),
             Phase::Starting(_) if at_rest => Status::Held(HoldReason::AtRest),
             Phase::Starting(_) => Status::Held(HoldReason::TooLittleRotation),
-            Phase::Undecided(_, trial) if trial.is_place => Status::Disturbed { since_ns: trial.onset_ns },
+            Phase::Undecided(_, trial) if trial.is_place() => Status::Disturbed { since_ns: trial.onset_ns },
             Phase::Undecided(_, trial) => Status::Suspect { since_ns: trial.onset_ns },
             Phase::Running(running) => {
                 if let Some(earth) = running.earth.as_ref().filter(|earth| earth.probability > 0.5) {

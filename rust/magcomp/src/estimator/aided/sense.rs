@@ -39,13 +39,6 @@ impl Aided {
         let Entry { raw_ut, is_blank, .. } = sample;
         let seen = (!is_blank).then_some(raw_ut);
         self.adaptation.sample.step(seen, &known.x, &turn, dt_s, tuning.memory_s, tuning);
-        let motion = self.motion.amount(tuning);
-        let noise = ProcessNoise {
-            bridged_rad2: rotation.variance_rad2,
-            offset_ut: if tuning.hard_iron_walk { tuning.offset_walk_ut } else { 0.0 },
-            local_ut: hypot(self.adaptation.local_ut, self.bursts.left_ut2(tuning).sqrt()),
-            local_time_s: tuning.place_correlation_s,
-        };
         let rest_sd_rad_s = tuning.unknown_bias_rad_s() * (SAMPLE_S / dt_s).sqrt();
         let delayed_rad_s = self.recent.mean_rad_s(known.x.delay + late_s).filter(|_| tuning.recent);
         Step {
@@ -58,13 +51,24 @@ impl Aided {
             turn,
             angle_rad: turned_rad.norm(),
             dt_s,
-            noise,
+            noise: self.process_noise(rotation),
             sigma_ut: self.adaptation.sample.sigma_ut(),
             late_s: *late_s,
             bias_sd_rad_s: known.bias_sd_rad_s,
             resting: self.motion.at_rest(),
             bias_variance: (self.motion.rest_s > tuning.memory_s).then_some(rest_sd_rad_s.powi(2)),
-            motion,
+            motion: self.motion.amount(tuning),
+        }
+    }
+
+    /// What may have changed meanwhile.
+    fn process_noise(&self, rotation: &Rotation) -> ProcessNoise {
+        let tuning = &self.tuning;
+        ProcessNoise {
+            bridged_rad2: rotation.variance_rad2,
+            offset_ut: if tuning.hard_iron_walk { tuning.offset_walk_ut } else { 0.0 },
+            local_ut: hypot(self.adaptation.local_ut, self.bursts.left_ut2(tuning).sqrt()),
+            local_time_s: tuning.place_correlation_s,
         }
     }
 }

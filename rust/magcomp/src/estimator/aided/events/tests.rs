@@ -85,7 +85,7 @@ fn after_a_pause_it_is_nothing_unless_the_device_is_likelier() {
         (ABOVE * tuning.decide_log_ratio, 0.0, Verdict::Device),
         (-ABOVE * tuning.decide_log_ratio, 0.0, Verdict::Unchanged),
     ] {
-        let trial = Trial { is_blind: true, log_ratio, place_misfit, ..open(&tuning) };
+        let trial = Trial { began: Began::Pause, log_ratio, place_misfit, ..open(&tuning) };
         assert_eq!(decided(trial, &tuning), Some(expected), "{log_ratio}, {place_misfit}");
     }
 }
@@ -95,37 +95,38 @@ fn a_place_is_found_now_and_is_new_when_it_has_lasted() {
     let tuning = Tuning::default();
     let mut trial = Trial { log_ratio: -ABOVE * tuning.decide_log_ratio, ..open(&tuning) };
     assert_eq!(trial.decide(NOW_NS, DT_S, &tuning), Some(Verdict::Place));
-    assert!(trial.is_place && !trial.was_place);
-    assert_eq!((trial.fitted_ns, trial.place_s, trial.onset_ns), (NOW_NS, 0.0, 5_000_000_000));
+    assert_eq!((trial.began, trial.onset_ns), (Began::Misfit, 5_000_000_000));
+    assert_eq!(trial.stage, Stage::Place { held_s: 0.0, fitted_ns: NOW_NS });
     // it lasts whatever the device does, and is remembered to have fitted while nearly all samples did
     for (misfit, fitted_ns) in [(0.99, NOW_NS + 1), (1.01, NOW_NS)] {
         let place_misfit = misfit * 0.5 * tuning.suspect_share;
         let mut trial = Trial { place_misfit, device_misfit: 0.0, log_ratio: 1e3, ..trial.clone() };
         assert_eq!(trial.decide(NOW_NS + 1, DT_S, &tuning), Some(Verdict::Open));
-        assert_eq!((trial.fitted_ns, trial.place_s), (fitted_ns, DT_S), "{misfit}");
+        assert_eq!(trial.stage, Stage::Place { held_s: DT_S, fitted_ns }, "{misfit}");
     }
-    for (seconds, misfit, expected) in [
+    for (held_s, misfit, expected) in [
         (tuning.place_time_s - 1.5 * DT_S, BELOW, Some(Verdict::Open)),
         (tuning.place_time_s - 0.5 * DT_S, BELOW, Some(Verdict::NewPlace)),
         (tuning.place_time_s - 1.5 * DT_S, ABOVE, None),
         (tuning.place_time_s - 0.5 * DT_S, ABOVE, None),
     ] {
-        let trial = Trial { place_s: seconds, place_misfit: misfit * MOST, ..trial.clone() };
-        assert_eq!(decided(trial, &tuning), expected, "{seconds} s, {misfit}");
+        let stage = Stage::Place { held_s, fitted_ns: NOW_NS };
+        let trial = Trial { stage, place_misfit: misfit * MOST, ..trial.clone() };
+        assert_eq!(decided(trial, &tuning), expected, "{held_s} s, {misfit}");
     }
 }
 
 #[test]
 fn a_step_back_or_a_step_is_told_if_it_is_large_enough() {
     let tuning = Tuning::default();
-    for (is_blind, least_ut) in [(false, LEAST_TOLD_UT), (true, tuning.smallest_step_ut)] {
+    for (began, least_ut) in [(Began::Misfit, LEAST_TOLD_UT), (Began::Pause, tuning.smallest_step_ut)] {
         for (recalled, kind) in [(false, EventKind::DeviceStep), (true, EventKind::DeviceStepBack)] {
             for (share, expected) in [(ABOVE, Some(kind)), (BELOW, None)] {
-                let mut trial = Trial { recalled, is_blind, ..Trial::default() };
+                let mut trial = Trial { recalled, began, ..Trial::default() };
                 let before = Filter::default();
                 let moved = before.part(HARD_IRON) + Vector3::new(2.0, -1.0, 2.0) / 3.0 * (share * least_ut);
                 trial.device.set_part(HARD_IRON, &moved);
-                assert_eq!(trial.device_event(&before, &tuning), expected, "blind {is_blind}, {recalled}, {share}");
+                assert_eq!(trial.device_event(&before, &tuning), expected, "{began:?}, {recalled}, {share}");
             }
         }
     }
@@ -133,16 +134,16 @@ fn a_step_back_or_a_step_is_told_if_it_is_large_enough() {
 
 #[test]
 fn the_likelier_hypothesis_is_explained_first() {
-    for (log_ratio, is_blind, recalled, kinds) in [
-        (3.0, false, false, [ChangeKind::Device, ChangeKind::Place]),
-        (-3.0, false, true, [ChangeKind::Place, ChangeKind::DeviceBack]),
-        (-3.0, true, false, [ChangeKind::Unchanged, ChangeKind::Device]),
+    for (log_ratio, began, recalled, kinds) in [
+        (3.0, Began::Misfit, false, [ChangeKind::Device, ChangeKind::Place]),
+        (-3.0, Began::Misfit, true, [ChangeKind::Place, ChangeKind::DeviceBack]),
+        (-3.0, Began::Pause, false, [ChangeKind::Unchanged, ChangeKind::Device]),
     ] {
         let onset_ns = 5;
         let trial = Trial {
             log_ratio,
             recalled,
-            is_blind,
+            began,
             onset_ns,
             rotation_rad: 0.7,
             device_misfit: 0.1,
