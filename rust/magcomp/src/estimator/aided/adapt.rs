@@ -1,8 +1,6 @@
-//! What the filter learns about its own noise while it runs.
+//! What the filter learns about the place's field while it runs, beside the magnetometer's `white` noise.
 //!
 //! ```text
-//! e_k = raw_k - b - M R M^-1 (raw_{k-1} - b),   sigma^2 += (dt / 0.5 s) (min(|e|^2 / 6, 9 sigma^2) - sigma^2)       of samples, and over 5 s of
-//!                                                the means of frames: what a logger has interpolated or held is no better known than it says
 //! s_d grows with (NIS/3 - 1), capped, per second of motion; and with the slow innovations beyond white noise
 //! s += (dt / t_s) (c - f - s),  t_s = 0.25 s,   U^2 = max(mean |s|^2 / 3 - sigma^2 dt / (2 t_s), (1 + t_w / tau_d) |s_w|^2 / 3)
 //! s_w: as s, t_w = 2 s: the field of a place, correlated over tau_d, leaves 1 / (1 + t_w / tau_d) of its power in it
@@ -16,15 +14,12 @@ use crate::math::elementary::{exp, gain};
 use crate::priors::BEYOND_CHANCE;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField as _;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use super::measure::Innovation;
-use super::state::Parts;
 use super::step::Step;
 use super::tuning::Tuning;
-
-/// Choice: least magnetometer noise, per axis, uT: phones read in steps of up to 0.6 uT, whose rounding alone is 0.17 uT.
-const LEAST_NOISE_UT: f64 = 0.2;
+use super::white::White;
 
 /// Noise levels, learned.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -43,52 +38,7 @@ pub(crate) struct Adaptation {
     power_ut2: f64,
     slow_age_s: f64,
     /// U_f^2, uT^2.
-    followed_ut2: f64,
-}
-
-/// White noise, from one sample or frame to the next.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-pub(super) struct White {
-    variance_ut2: f64,
-    /// The one before, uT, and the turn since then.
-    pub(super) previous: Option<(Vector3<f64>, Matrix3<f64>)>,
-}
-
-impl White {
-    fn new(tuning: &Tuning) -> Self {
-        Self { variance_ut2: tuning.noise_start_ut.powi(2), previous: None }
-    }
-
-    /// sigma, uT.
-    pub(super) fn sigma_ut(&self) -> f64 {
-        self.variance_ut2.sqrt()
-    }
-
-    /// A sample or a mean, with the turn from the one before; `None` says nothing.
-    pub(super) fn step(
-        &mut self,
-        raw_ut: Option<&Vector3<f64>>,
-        x: &Parts,
-        turn: &Matrix3<f64>,
-        dt_s: f64,
-        memory_s: f64,
-        tuning: &Tuning,
-    ) {
-        let Some(raw_ut) = raw_ut else {
-            self.previous = self.previous.map(|(raw_ut, since)| (raw_ut, turn * since));
-            return;
-        };
-        let (offset_ut, soft_iron) = (x.hard_iron, x.soft_iron());
-        if let (Some((previous, since)), Some(w)) = (self.previous, soft_iron.try_inverse()) {
-            let e = raw_ut - offset_ut - soft_iron * (turn * (since * (w * (previous - offset_ut))));
-            let size = e.norm();
-            let share = if tuning.noise_learning { gain(dt_s, memory_s) } else { 0.0 };
-            let variance = self.variance_ut2;
-            self.variance_ut2 += share * ((size * size / 6.0).min(BEYOND_CHANCE.powi(2) * variance) - variance);
-            self.variance_ut2 = self.variance_ut2.max(LEAST_NOISE_UT.powi(2));
-        }
-        self.previous = Some((*raw_ut, Matrix3::identity()));
-    }
+    followed_power_ut2: f64,
 }
 
 impl Adaptation {
@@ -105,22 +55,22 @@ impl Adaptation {
     }
 
     /// The slow difference between the corrected sample and the carried field.
-    pub(crate) fn uneven(&mut self, difference_ut: &Vector3<f64>, dt_s: f64, tuning: &Tuning) {
+    pub(crate) fn add_difference(&mut self, difference_ut: &Vector3<f64>, dt_s: f64, tuning: &Tuning) {
         let quick = gain(dt_s, tuning.quick_s);
         self.slow_ut += (difference_ut - self.slow_ut) * quick;
         // what white noise alone would leave after this low-pass
-        let white = self.mean.variance_ut2 * quick / (2.0 - quick);
+        let white = self.mean.variance_ut2() * quick / (2.0 - quick);
         let seen = (self.slow_ut.norm_squared() / 3.0 - white)
-            .min(BEYOND_CHANCE.powi(2) * self.slow_power_ut2.max(self.mean.variance_ut2));
+            .min(BEYOND_CHANCE.powi(2) * self.slow_power_ut2.max(self.mean.variance_ut2()));
         self.slow_age_s = (self.slow_age_s + dt_s).min(tuning.settled_s);
         let share = gain(dt_s, self.slow_age_s);
         self.slow_power_ut2 += share * (seen - self.slow_power_ut2);
         self.lasting_ut += (difference_ut - self.lasting_ut) * gain(dt_s, tuning.lasting_s);
         let power = (difference_ut.norm_squared() / 3.0)
-            .min(BEYOND_CHANCE.powi(2) * self.power_ut2.max(self.mean.variance_ut2));
+            .min(BEYOND_CHANCE.powi(2) * self.power_ut2.max(self.mean.variance_ut2()));
         self.power_ut2 += share * (power - self.power_ut2);
         // f remembers what it has followed
-        self.followed_ut2 = self.uneven_ut2(tuning).max(self.followed_ut2 * exp(-dt_s / tuning.settled_s));
+        self.followed_power_ut2 = self.uneven_ut2(tuning).max(self.followed_power_ut2 * exp(-dt_s / tuning.settled_s));
     }
 
     /// U^2, uT^2.
@@ -138,16 +88,16 @@ impl Adaptation {
             return 1.0;
         }
         let density =
-            |local_ut2: f64| 2.0 * tuning.place_correlation_s * local_ut2 + self.mean.variance_ut2 * step.dt_s;
-        (density(self.followed_ut2) / density(step.noise.local_ut.powi(2))).max(1.0)
+            |local_ut2: f64| 2.0 * tuning.place_correlation_s * local_ut2 + self.mean.variance_ut2() * step.dt_s;
+        (density(self.followed_power_ut2) / density(step.noise.local_ut.powi(2))).max(1.0)
     }
 
     /// G^2, variance per axis of f in a place so uneven that it does not average out, uT^2.
-    pub(crate) fn followed_ut2(&self, tuning: &Tuning) -> f64 {
+    pub(crate) fn unaveraged_ut2(&self, tuning: &Tuning) -> f64 {
         if !tuning.followed {
             return 0.0;
         }
-        2.0 * (self.followed_ut2 - tuning.even_ut.powi(2)).max(0.0)
+        2.0 * (self.followed_power_ut2 - tuning.even_ut.powi(2)).max(0.0)
     }
 
     /// F^2, variance per axis of a corrected sample for what the filter does not know of the place, uT^2.
@@ -170,12 +120,12 @@ impl Adaptation {
     /// The local field's standard deviation, from the size of an innovation and of its slow part.
     ///
     /// An innovation that the filter's own ignorance dominates (the start) says little about it: hence the share.
-    pub(crate) fn local(&mut self, innovation: &Innovation, motion: f64, dt_s: f64, tuning: &Tuning) {
+    pub(crate) fn add_innovation(&mut self, innovation: &Innovation, motion: f64, dt_s: f64, tuning: &Tuning) {
         if !tuning.unevenness || !tuning.local_learning {
             return;
         }
         let trace_ut2 = innovation.variance_ut2.sum();
-        let share = (3.0 * (self.mean.variance_ut2 + self.local_ut * self.local_ut) / trace_ut2).min(1.0);
+        let share = (3.0 * (self.mean.variance_ut2() + self.local_ut * self.local_ut) / trace_ut2).min(1.0);
         let excess = ((innovation.nis / 3.0).min(3.0) - 1.0) * share;
         let quick = gain(dt_s, tuning.quick_s);
         self.slow_innovation_ut += (innovation.v - self.slow_innovation_ut) * quick;

@@ -143,7 +143,7 @@ impl Aided {
             self.absorb(step, &innovation);
         }
         if !step.resting {
-            self.adaptation.local(&innovation, step.motion, step.dt_s, &self.tuning);
+            self.adaptation.add_innovation(&innovation, step.motion, step.dt_s, &self.tuning);
         }
         self.look_at_misfits(step);
     }
@@ -191,14 +191,14 @@ impl Aided {
         filter.update(innovation, NONE);
         let corrected = filter.part(FIELD);
         let field_ut2 = filter.variances(FIELD).sum() / 3.0 * self.adaptation.factor(step, &self.tuning)
-            + self.adaptation.followed_ut2(&self.tuning);
+            + self.adaptation.unaveraged_ut2(&self.tuning);
         let turn_rad = carried.cross(&corrected) / corrected.norm_squared();
         self.motion.follow(&turn_rad, field_ut2 / corrected.norm_squared(), &self.tuning);
         let x = filter.parts();
         if let Some((_, still)) = x.corrected(step.raw_ut) {
             let late_rad = x.true_rate(&step.delayed_rad_s) * (x.delay + step.late_s);
             let c = Turn::by(&-late_rad).rotation * still;
-            self.adaptation.uneven(&(c - x.field), step.dt_s, &self.tuning);
+            self.adaptation.add_difference(&(c - x.field), step.dt_s, &self.tuning);
         }
     }
 

@@ -1,6 +1,6 @@
 //! The aided estimator: gyroscope and gravity beside the magnetometer.
 //!
-//! One file an idea: `state` · `propagate` · `measure` · `adapt` (noise) · `motion` (rest, up) · `earth` (in a new place) · `watch` (samples that do
+//! One file an idea: `state` · `propagate` · `measure` · `white`, `adapt` (noise, places) · `motion` (rest, up) · `earth` (in a new place) · `watch` (samples that do
 //! not fit) · `turned` (over several samples) · `quarantine`, `bursts` (magnets that are passed) · `recent` (delay) · `events` (hypotheses),
 //! `probation` (what has won, until it has held) ·
 //! `first_fit`, `batch`, `groups` · `running` (filter) · `phase` (start, filter, hypotheses: one owner) · `start` · one sample: `step`, `sense`,
@@ -34,6 +34,7 @@ mod tests;
 mod tuning;
 mod turned;
 mod watch;
+mod white;
 
 use crate::sample::seconds;
 #[cfg(not(feature = "std"))]

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::estimator::aided::propagate::ProcessNoise;
-use crate::estimator::aided::state::{CALIBRATION, Filter, HARD_IRON};
-use nalgebra::Rotation3;
+use crate::estimator::aided::state::Filter;
+use nalgebra::Matrix3;
 
 const DT_S: f64 = 0.02;
 const NOTHING: Vector3<f64> = Vector3::new(0.0, 0.0, 0.0);
@@ -18,58 +18,10 @@ fn step(local_ut: f64) -> Step<'static> {
     Step { noise: ProcessNoise { local_ut, ..it.noise }, ..it }
 }
 
-/// b, and M - I.
-fn parts() -> (Parts, Matrix3<f64>) {
-    let mut filter = Filter::default();
-    let mut all = filter.part(CALIBRATION);
-    all.copy_from_slice(&[100.0, -40.0, 20.0, 0.1, -0.05, 0.02, 0.03, -0.02, 0.01]);
-    filter.set_part(CALIBRATION, &all);
-    assert_eq!(filter.part(HARD_IRON), Vector3::new(100.0, -40.0, 20.0));
-    (filter.parts(), Matrix3::new(1.1, 0.03, -0.02, 0.03, 0.95, 0.01, -0.02, 0.01, 1.02))
-}
-
-/// Two samples of one field, the turn between in two steps with a sample that says nothing: what they differ by beyond that is noise, of two samples and
-/// three axes, and is believed up to nine times what is believed.
-#[test]
-fn noise_is_what_samples_differ_by_beyond_the_turn() {
-    let tuning = Tuning::default();
-    let (x, m) = parts();
-    let field_ut = Vector3::new(20.0, 5.0, -45.0);
-    let [first, second] =
-        [Vector3::new(0.3, -0.2, 0.1), Vector3::new(-0.1, 0.4, 0.2)].map(|it| *Rotation3::new(it).matrix());
-    let at = |turn: Matrix3<f64>| m * turn * field_ut + x.hard_iron;
-    let share = DT_S / tuning.memory_s;
-    let start_ut2 = tuning.noise_start_ut.powi(2);
-    for (off_ut, seen) in
-        [(0.0, 0.0), (1.2, 1.44 / 6.0), (3.67, 3.67 * 3.67 / 6.0), (3.68, 9.0 * start_ut2), (50.0, 9.0 * start_ut2)]
-    {
-        let mut white = White::new(&tuning);
-        white.step(Some(&at(Matrix3::identity())), &x, &Matrix3::identity(), DT_S, tuning.memory_s, &tuning);
-        assert_eq!(white.variance_ut2, start_ut2);
-        white.step(None, &x, &first, DT_S, tuning.memory_s, &tuning);
-        let raw_ut = at(second * first) + Vector3::new(0.6, 0.0, -0.8) * off_ut;
-        white.step(Some(&raw_ut), &x, &second, DT_S, tuning.memory_s, &tuning);
-        let expected = start_ut2 + share * (seen - start_ut2);
-        assert!(close(white.variance_ut2, expected), "{off_ut}: {} for {expected}", white.variance_ut2);
-        assert_eq!(white.previous, Some((raw_ut, Matrix3::identity())));
-    }
-}
-
-#[test]
-fn noise_is_learned_at_most_at_once_and_never_less_than_the_least() {
-    let tuning = Tuning::default();
-    let (x, _) = parts();
-    let mut white = White::new(&tuning);
-    for _ in 0..2 {
-        white.step(Some(&Vector3::x()), &x, &Matrix3::identity(), 5.0 * tuning.memory_s, tuning.memory_s, &tuning);
-    }
-    assert!(close(white.variance_ut2, 0.04), "{}", white.variance_ut2);
-}
-
 #[test]
 fn samples_and_means_of_frames_are_learned_apart() {
     let tuning = Tuning::default();
-    let (x, _) = parts();
+    let x = Filter::default().parts();
     let mut adaptation = Adaptation::new(&tuning);
     let one = Matrix3::identity();
     for k in 0..2 {
@@ -90,7 +42,7 @@ fn a_steady_unevenness_is_seen_in_full() {
     let mut adaptation = Adaptation::new(&tuning);
     let off_ut = Vector3::new(2.0, -1.0, 2.0);
     for _ in 0..4_000 {
-        adaptation.uneven(&off_ut, DT_S, &tuning);
+        adaptation.add_difference(&off_ut, DT_S, &tuning);
     }
     // 3 uT^2 an axis; of what has lasted 1 + 2.5 s / 1.5 s as much is expected
     let lasts = 1.0 + tuning.lasting_s / tuning.place_correlation_s;
@@ -106,18 +58,18 @@ fn a_steady_unevenness_is_seen_in_full() {
     for (noise_ut2, expected) in [(1.0, 2.0), (4.0, 0.0)] {
         assert!((adaptation.local_ut2(noise_ut2, &tuning) - expected).abs() < 1e-3);
     }
-    assert!((adaptation.followed_ut2(&tuning) - 2.0 * (uneven_ut2 - tuning.even_ut.powi(2))).abs() < 1e-6);
+    assert!((adaptation.unaveraged_ut2(&tuning) - 2.0 * (uneven_ut2 - tuning.even_ut.powi(2))).abs() < 1e-6);
     // the densities' ratio, where the filter expects 0.5 uT, and 20
     let density = |local_ut2: f64| 2.0 * tuning.place_correlation_s * local_ut2 + 0.25 * DT_S;
     let expected = density(uneven_ut2) / density(0.25);
     assert!((adaptation.factor(&step(0.5), &tuning) / expected - 1.0).abs() < 1e-6);
     assert_eq!(adaptation.factor(&step(20.0), &tuning), 1.0);
     // what was followed fades by e in five seconds, while nothing is uneven
-    let before = adaptation.followed_ut2;
+    let before = adaptation.followed_power_ut2;
     let mut faded = adaptation.clone();
     (faded.slow_power_ut2, faded.lasting_ut, faded.slow_ut) = (0.0, NOTHING, NOTHING);
-    faded.uneven(&NOTHING, DT_S, &tuning);
-    assert!(close(faded.followed_ut2, before * (-DT_S / tuning.settled_s).exp()));
+    faded.add_difference(&NOTHING, DT_S, &tuning);
+    assert!(close(faded.followed_power_ut2, before * (-DT_S / tuning.settled_s).exp()));
 }
 
 /// Of the first of all: the mean is plain, and one value counts as nine times what was believed at most.
@@ -126,7 +78,7 @@ fn unevenness_is_a_plain_mean_at_first_and_then_of_five_seconds() {
     let tuning = Tuning::default();
     let off_ut = Vector3::new(30.0, 0.0, 0.0);
     let mut adaptation = Adaptation::new(&tuning);
-    adaptation.uneven(&off_ut, DT_S, &tuning);
+    adaptation.add_difference(&off_ut, DT_S, &tuning);
     let before = tuning.even_ut.powi(2);
     let share = DT_S / (tuning.quick_s + DT_S);
     assert!(close(adaptation.power_ut2, before + share * (9.0 * before - before)), "{}", adaptation.power_ut2);
@@ -134,6 +86,6 @@ fn unevenness_is_a_plain_mean_at_first_and_then_of_five_seconds() {
     assert!(close(adaptation.slow_age_s, tuning.quick_s + DT_S));
     adaptation.slow_age_s = 100.0;
     let before = adaptation.power_ut2;
-    adaptation.uneven(&NOTHING, DT_S, &tuning);
+    adaptation.add_difference(&NOTHING, DT_S, &tuning);
     assert!(close(adaptation.power_ut2, before * (1.0 - DT_S / tuning.settled_s)));
 }
