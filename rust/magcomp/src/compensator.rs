@@ -17,9 +17,8 @@ use crate::calibration::Calibration;
 use crate::config::{Config, Method, validate_heading};
 use crate::coverage::{Coverage, Guidance};
 use crate::ellipsoid::EllipsoidFit;
+use crate::estimator::Estimator;
 use crate::estimator::answer::{Answer, Counted};
-use crate::estimator::paper::Windowed;
-use crate::estimator::{Estimator, Ours};
 use crate::explanation::Explanation;
 use crate::heading::HeadingConfig;
 use crate::north::North;
@@ -107,7 +106,7 @@ impl Compensator {
     pub fn tuned(config: Config, tunings: Tunings) -> Result<Self, ConfigError> {
         config.validate()?;
         let mut it = Self {
-            estimator: Box::new(estimator(&config, tunings)),
+            estimator: Box::new(tunings.estimator(&config)),
             tuning: tunings.compensator,
             guidance: Guidance::new(config.windowed.n_max, config.field_strength_ut),
             state: State { witnesses: Witnesses::new(tunings.witnesses), ..State::default() },
@@ -210,14 +209,15 @@ impl Compensator {
     /// The estimator that the sensors allow takes over, from the calibration in force; whether that is the aided one.
     fn hand_over(&mut self, time_ns: i64, previous_ns: Option<i64>, testimony: &Testimony) -> bool {
         let State { presence, belief, .. } = &self.state;
-        let (Some(is_there), Estimator::Ours(ours)) = (presence.is_there(time_ns, previous_ns), &mut *self.estimator)
+        let (Some(is_there), Estimator::ByGyroscope(own)) =
+            (presence.is_there(time_ns, previous_ns), &mut *self.estimator)
         else {
             return false;
         };
         let is_there = is_there && !testimony.is_gyroscope_dead;
         let is_contradicted = testimony.is_gyroscope_contradicted;
         matches!(self.config.method, Method::Auto | Method::Aided)
-            && ours.follow_gyroscope(is_there, is_contradicted, |given| belief.no_surer_than_usual(given))
+            && own.follow_gyroscope(is_there, is_contradicted, |given| belief.no_surer_than_usual(given))
             && is_there
     }
 
@@ -250,8 +250,8 @@ impl Compensator {
 
     /// What the estimator knows of the gyroscope tells the pairing.
     fn note_gyroscope(&mut self) {
-        if let Estimator::Ours(ours) = &*self.estimator
-            && let Some((bias_rad_s, scale)) = ours.gyroscope()
+        if let Estimator::ByGyroscope(own) = &*self.estimator
+            && let Some((bias_rad_s, scale)) = own.gyroscope()
         {
             self.state.pairing.assume(bias_rad_s, scale.diagonal());
         }
@@ -260,7 +260,7 @@ impl Compensator {
     /// Whether a gyroscope can carry on what is known to this time.
     fn can_carry(&self, time_ns: i64) -> bool {
         matches!(self.config.method, Method::Auto | Method::Aided)
-            && (matches!(&*self.estimator, Estimator::Ours(ours) if ours.carries()) || self.state.pairing.turns())
+            && (matches!(&*self.estimator, Estimator::ByGyroscope(own) if own.carries()) || self.state.pairing.turns())
             && self.state.stream.check_time(time_ns).is_ok()
     }
 
@@ -326,16 +326,5 @@ impl Compensator {
     pub fn explain(&self) -> Explanation {
         let outside = self.state.stream.latest_ns().and_then(|latest_ns| self.state.north.explain(latest_ns));
         Explanation { outside, ..self.estimator.explain() }
-    }
-}
-
-/// The estimator of a config.
-fn estimator(config: &Config, tunings: Tunings) -> Estimator {
-    let (windowed, strength_ut) = (config.windowed, config.field_strength_ut);
-    let of_paper = |is_constant| Estimator::Windowed(Windowed::new(is_constant, windowed, strength_ut));
-    match config.method {
-        Method::Windowed => of_paper(false),
-        Method::Constant => of_paper(true),
-        _ => Estimator::Ours(Ours::new(tunings.adaptive, tunings.aided, strength_ut, windowed)),
     }
 }

@@ -1,7 +1,9 @@
-//! The choices and switches of all parts, by name, for `magcomp sensitivity`.
+//! The choices and switches of all parts, by name, for `magcomp sensitivity`; and the estimator that they make.
 
 use super::tuning::Tuning;
-use crate::estimator::{adaptive, aided};
+use crate::config::{Config, Method};
+use crate::estimator::paper::Windowed;
+use crate::estimator::{ByGyroscope, Estimator, adaptive, aided};
 use crate::sensing::witnesses;
 use crate::tuning::{Choice, Mechanism};
 
@@ -15,6 +17,17 @@ pub struct Tunings {
 }
 
 impl Tunings {
+    /// The estimator of a validated config. All memory is taken here.
+    pub(super) fn estimator(self, config: &Config) -> Estimator {
+        let (windowed, strength_ut) = (config.windowed, config.field_strength_ut);
+        let of_paper = |is_constant| Estimator::Windowed(Windowed::new(is_constant, windowed, strength_ut));
+        match config.method {
+            Method::Windowed => of_paper(false),
+            Method::Constant => of_paper(true),
+            _ => Estimator::ByGyroscope(ByGyroscope::new(self.adaptive, self.aided, strength_ut, windowed)),
+        }
+    }
+
     /// Every choice of the estimators, with the one that makes it.
     pub fn list() -> impl Iterator<Item = (&'static str, &'static Choice)> {
         let adaptive = adaptive::Tuning::LIST.iter().map(|choice| ("adaptive", choice));

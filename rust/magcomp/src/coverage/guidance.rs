@@ -8,8 +8,8 @@ use crate::room::Roomy;
 use alloc::collections::VecDeque;
 use nalgebra::Vector3;
 
-/// Choice: samples from one look for what is too dear for every sample to the next, 0.25 s at 100 Hz, which nobody sees on a screen. Of the latest ten times
-/// as many the directions are found anew when the calibration they are seen through is no longer right: no sample may cost much (tests/instructions.sh).
+/// Choice: interval, in samples, of work that is too costly for each of them: 0.25 s at 100 Hz, which nobody sees on a screen. The directions of the latest
+/// ten times as many are found anew when the calibration they are seen through is no longer right (tests/instructions.sh).
 const ANEW_SAMPLES: usize = 25;
 /// Choice: it is no longer right when the centre has moved by this many field strengths: less than the width of a cell, 0.5.
 const ANEW_SHIFT: f64 = 0.2;

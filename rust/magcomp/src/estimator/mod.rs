@@ -3,8 +3,8 @@
 pub(crate) mod adaptive;
 pub(crate) mod aided;
 pub(crate) mod answer;
+mod by_gyroscope;
 mod figures;
-mod ours;
 pub(crate) mod paper;
 
 use crate::calibration::Given;
@@ -14,14 +14,14 @@ use crate::reading::Status;
 use crate::sample::MagneticSample;
 use crate::sensing::pairing::PairedInertial;
 use answer::{Answer, Counted, Known};
-pub(crate) use ours::Ours;
+pub(crate) use by_gyroscope::ByGyroscope;
 use paper::Windowed;
 
 /// The estimator that a config asks for.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[expect(clippy::large_enum_variant, reason = "there is one, and it stands in a box")]
 pub(crate) enum Estimator {
-    Ours(Ours),
+    ByGyroscope(ByGyroscope),
     Windowed(Windowed),
 }
 
@@ -29,7 +29,7 @@ impl Estimator {
     /// As new, in the memory that is there.
     pub fn restart(&mut self) {
         match self {
-            Self::Ours(ours) => ours.restart(),
+            Self::ByGyroscope(it) => it.restart(),
             Self::Windowed(windowed) => windowed.restart(),
         }
     }
@@ -37,7 +37,7 @@ impl Estimator {
     /// Begins anew with what is given; the paper's estimator goes on from it.
     pub fn begin_from(&mut self, given: Option<Given>) {
         match self {
-            Self::Ours(ours) => ours.begin_from(given),
+            Self::ByGyroscope(it) => it.begin_from(given),
             Self::Windowed(windowed) => windowed.begin_from(given.map(|given| given.calibration)),
         }
     }
@@ -45,20 +45,20 @@ impl Estimator {
     /// One sample that was checked, with what the other sensors said.
     pub fn push(&mut self, sample: &MagneticSample, paired: &PairedInertial) -> (Status, Answer) {
         match self {
-            Self::Ours(ours) => ours.push(sample, paired),
+            Self::ByGyroscope(it) => it.push(sample, paired),
             Self::Windowed(windowed) => windowed.push(sample, paired.up_m_s2),
         }
     }
 
     /// A sample whose field is of no use.
     pub fn carry(&mut self, time_ns: i64, paired: &PairedInertial) -> Answer {
-        if let Self::Ours(ours) = self { ours.carry(time_ns, paired) } else { Answer::default() }
+        if let Self::ByGyroscope(it) = self { it.carry(time_ns, paired) } else { Answer::default() }
     }
 
     /// Of the estimator that answers.
     pub fn known(&self) -> Known {
         match self {
-            Self::Ours(ours) => ours.known(),
+            Self::ByGyroscope(it) => it.known(),
             Self::Windowed(windowed) => windowed.known(),
         }
     }
@@ -66,7 +66,7 @@ impl Estimator {
     /// The calibration in force, and how well it is known.
     pub fn in_force(&self) -> Option<Given> {
         match self {
-            Self::Ours(ours) => ours.in_force(),
+            Self::ByGyroscope(it) => it.in_force(),
             Self::Windowed(windowed) => windowed.known().in_force(),
         }
     }
@@ -74,7 +74,7 @@ impl Estimator {
     /// Whether the calibration in force was learned from live samples.
     pub fn has_learned(&self) -> bool {
         match self {
-            Self::Ours(ours) => ours.has_learned(),
+            Self::ByGyroscope(it) => it.has_learned(),
             Self::Windowed(windowed) => windowed.fit().is_some(),
         }
     }
@@ -87,7 +87,7 @@ impl Estimator {
     /// The inside of the estimator that answers.
     pub fn explain(&self) -> Explanation {
         match self {
-            Self::Ours(ours) => ours.explain(),
+            Self::ByGyroscope(it) => it.explain(),
             Self::Windowed(windowed) => windowed.explain(),
         }
     }
@@ -95,7 +95,7 @@ impl Estimator {
     /// Samples that it looks at.
     pub fn window(&self) -> usize {
         match self {
-            Self::Ours(ours) => ours.window(),
+            Self::ByGyroscope(it) => it.window(),
             Self::Windowed(windowed) => windowed.counted().samples,
         }
     }
@@ -103,7 +103,7 @@ impl Estimator {
     /// What directions are counted over.
     pub fn counted(&self) -> Counted<'_> {
         match self {
-            Self::Ours(ours) => ours.counted(),
+            Self::ByGyroscope(it) => it.counted(),
             Self::Windowed(windowed) => windowed.counted(),
         }
     }

@@ -6,13 +6,13 @@
 //! d = W^ - A x b                          its sum over a time: d: change of m, A: sum of the turns,   W^ = sum of m x turn   (linear in W = sum of turn m')
 //! d, A, W: from the mean over a window to that over the next;   turn: 2 tan(angle / 2) about its axis, m: mean of two of them: exact for any angle
 //! S_G = min over b of sum |d - W^ + A x b|^2, forgotten over 50 windows (n), with W and A replaced by G W and G A: the sensors' frames differ by G
-//! G explains the field better where   n ln(min(S_1, sum |d|^2) + n B) / (S_G + n B)) > 4^2 / 2 + ln 100      B: what the largest bias moves the field by
-//! the field agrees with the gyroscope where   n ln((sum |d|^2 + n B) / (S_1 + n B))   does
+//! G explains the field better where   n ln((min(S_1, sum |d|^2) + n B) / (S_G + n B)) > 4^2 / 2 + ln 100      B: what the largest bias moves the field by
+//! the field contradicts the gyroscope where   n ln((S_1 + n B) / (min(S of all 48 frames, sum |d|^2) + n B))   does
 //! ```
 //! A mirrored vector turns alike, so each of the 24 right-handed G stands for a magnetometer's axes and for their mirror. None of them is believed that explains
 //! no more than a field that does not care for turns: that of a magnet one walks by. A window in which the field changes by more than the turn moves the
-//! Earth's strongest field says nothing of axes, either. What a window leaves over as read counts so far that two of them can't reach the bound: a device that
-//! steps does so between two windows. Axes that are wrong are so in every window.
+//! Earth's strongest field says nothing of axes, either. The misfit of a window as read is capped, so that two windows alone never convict: a device that steps
+//! does so between two windows. Axes that are wrong are so in every window.
 //! Of 52 recordings of sound phones, and 180 simulated ones with steps, magnets and cars, none is refused; of the 52 with their fields' axes swapped, mirrored
 //! or turned all are, half of them within 9 s.
 

@@ -281,8 +281,8 @@ impl Adaptive {
         }
     }
 
-    /// The mixture, from when it is first known well enough; while a cold start is likeliest whose device has not turned, the one before, as sure
-    /// as the mixture says.
+    /// Publishes the mixture once it is known well enough. While a cold start leads whose device has not turned, the old mean stays, with the
+    /// mixture's covariance about it.
     fn publish(&mut self, time_ns: i64) {
         let Some(mixture) = self.bank.mixture() else { return };
         let mixture = Published::new(mixture, self.unit_ut, self.strength_ut);

@@ -243,9 +243,8 @@ impl FirstFit {
         Some((seen - feigned * share + before).cholesky()?.inverse())
     }
 
-    /// Information of the samples that a bias of the gyroscope would feign. Where the least seen part of the field is found to be
-    /// small, no bias shows in it, and what a wrong one bends looks like motion: so that part is taken to be `unseen`, too,
-    /// and the bias to be known no better than the fit knows it.
+    /// Information of the samples that a bias of the gyroscope would feign: a bias and the field along the axis of the turns are confounded. Where
+    /// the fit puts that part near zero it claims what it cannot know, so the bias is marginalised as if that part were `unseen`.
     fn feigned(&self, p: &Matrix, unseen_ut: Vector3<f64>, prior: &Prior) -> Option<Matrix> {
         let x = parts(&self.x);
         let mut cross = SMatrix::<f64, UNKNOWNS, 3>::zeros();

@@ -1,7 +1,7 @@
 //! One sample with a known rotation: the field turns, and once a frame of them is full: predict, gate, rest, hypotheses or update, adopt.
 //!
 //! ```text
-//! v = raw - h(x);  gated when v^T S^-1 v > 16, or |d|^2 > 16 max(U, 2 uT)^2
+//! v = raw - h(x);  gated when v^T S^-1 v > 16, or |d|^2 > 16 max(U_q, 2 uT)^2        U_q: the quick half of U (`adapt`)
 //! at rest: no magnetometer update, the rate measures the bias
 //! undecided or disturbed: the calibration holds, the hypotheses run
 //! else update, unless gated; learn the noises
@@ -167,7 +167,7 @@ impl Aided {
         let running = self.phase.running_mut()?;
         let filter = &mut running.filter;
         let innovation = filter.innovation(step, &self.tuning)?;
-        // a slow change hides in d: once d is larger than a place explains, it is a misfit
+        // a slow change hides in d. Once d is larger than a place explains, it is a misfit
         let local_ut = filter.part(LOCAL);
         let most_ut2 = self.tuning.gate * self.adaptation.largest_local_ut2(&self.tuning);
         let is_gated =

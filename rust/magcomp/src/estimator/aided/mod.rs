@@ -206,7 +206,7 @@ impl Aided {
             let (status, mut answer) = self.with_rotation(&step);
             answer.mode = if up.is_some() { SensorMode::GyroscopeAndGravity } else { SensorMode::GyroscopeOnly };
             let bias_rad2_s2 = self.phase.known().map_or(step.bias_sd_rad_s.powi(2), |filter| {
-                // where m follows the place beyond what the filter believes, g is drawn along by as much
+                // where m follows the place more than the filter expects, the gyroscope's bias is as much less certain
                 let published_ut2 =
                     answer.filtered_covariance_ut2.map_or(0.0, |p| p.trace() * self.scale(filter).powi(2));
                 filter.variances(BIAS).max() * (published_ut2 / filter.variances(FIELD).sum()).max(1.0)

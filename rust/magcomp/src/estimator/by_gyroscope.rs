@@ -17,7 +17,7 @@ use crate::sensing::pairing::PairedInertial;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub(crate) struct Ours {
+pub(crate) struct ByGyroscope {
     tuning: aided::Tuning,
     strength_ut: Option<f64>,
     adaptive: Adaptive,
@@ -36,7 +36,7 @@ struct Gyroscope {
     is_in_use: bool,
 }
 
-impl Ours {
+impl ByGyroscope {
     /// Begins with the one that needs no gyroscope. All memory is taken here.
     pub fn new(
         adaptive: adaptive::Tuning,
@@ -61,8 +61,8 @@ impl Ours {
         self.figures.look_through(given.map(|given| given.calibration));
     }
 
-    /// The gyroscope is there now (or no longer), and whether it is contradicted: whether it is another estimator's turn. One that comes begins from
-    /// what is in force, as `given` makes it.
+    /// The gyroscope is there now, or no longer, and whether it is contradicted. Returns true where the estimator changes: the new one starts from the
+    /// calibration in force, widened by `given`.
     pub fn follow_gyroscope(
         &mut self,
         is_there: bool,
@@ -129,7 +129,7 @@ impl Ours {
     }
 
     /// The aided one, where it answers.
-    fn speaker(&self) -> Option<&Aided> {
+    fn answering(&self) -> Option<&Aided> {
         let Gyroscope { aided, is_in_use } = self.gyroscope.as_ref()?;
         (*is_in_use || knows_more(aided, &self.adaptive, self.is_contradicted)).then_some(aided)
     }
@@ -137,7 +137,7 @@ impl Ours {
     /// What the one that answers knows.
     pub fn known(&self) -> Known {
         let adaptive = &self.adaptive;
-        match self.speaker() {
+        match self.answering() {
             Some(aided) => Known { calibration: aided.calibration(), covariance: aided.covariance() },
             None => Known { calibration: adaptive.calibration(), covariance: adaptive.covariance() },
         }
@@ -149,13 +149,13 @@ impl Ours {
     }
 
     pub fn has_learned(&self) -> bool {
-        self.speaker().map_or_else(|| self.adaptive.has_learned(), Aided::has_learned)
+        self.answering().map_or_else(|| self.adaptive.has_learned(), Aided::has_learned)
     }
 
     pub fn explain(&self) -> Explanation {
         let tries_both = |it: &Gyroscope| !it.is_in_use && is_doubted(&it.aided, self.is_contradicted);
         let tries_both = self.gyroscope.as_ref().is_some_and(tries_both);
-        Explanation { tries_both, ..self.speaker().map_or_else(|| self.adaptive.explain(), Aided::explain) }
+        Explanation { tries_both, ..self.answering().map_or_else(|| self.adaptive.explain(), Aided::explain) }
     }
 
     /// Bias of the gyroscope, rad/s, and its scale error, while it is there: true rate = (I - scale) reading - bias.
