@@ -148,7 +148,7 @@ extension Compensator {
 
 /// Waits for what must happen; a test that waits in vain fails after half a minute.
 func eventually(isolation: isolated (any Actor)? = #isolation, _ happens: () -> Bool) async throws {
-    let deadline = ContinuousClock.now + .seconds(30)
+    let deadline = ContinuousClock.now + .seconds(120)
     while !happens() {
         try #require(ContinuousClock.now < deadline, "it never happened")
         try await Task.sleep(for: .milliseconds(1))
