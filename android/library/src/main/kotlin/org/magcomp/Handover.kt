@@ -1,10 +1,12 @@
 package org.magcomp
 
 import java.util.concurrent.Executor
+import kotlin.coroutines.intrinsics.COROUTINE_SUSPENDED
+import kotlin.coroutines.intrinsics.intercepted
+import kotlin.coroutines.intrinsics.suspendCoroutineUninterceptedOrReturn
 import kotlin.coroutines.resume
 import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.asExecutor
-import kotlinx.coroutines.suspendCancellableCoroutine
 
 /**
  * Takes an app's code off the thread that delivers to all users of a source. A collector on `Dispatchers.Unconfined`, or a listener whose
@@ -23,8 +25,13 @@ internal class Handover(val executor: Executor = Dispatchers.IO.asExecutor()) {
     /** Does something here, or on another thread if this one delivers. */
     fun run(what: Runnable) = if (delivers.get() != null) executor.execute(what) else what.run()
 
-    /** Returns on another thread, if this one delivers. */
+    /** Returns on another thread, if this one delivers: also where that is quicker than this one, which a `suspendCoroutine` would then go on with. */
     suspend fun away() {
-        if (delivers.get() != null) suspendCancellableCoroutine { executor.execute { it.resume(Unit) } }
+        if (delivers.get() == null) return
+        suspendCoroutineUninterceptedOrReturn<Unit> {
+            val there = it.intercepted()
+            executor.execute { there.resume(Unit) }
+            COROUTINE_SUSPENDED
+        }
     }
 }

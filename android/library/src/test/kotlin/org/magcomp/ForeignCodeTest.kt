@@ -6,6 +6,7 @@ import java.util.concurrent.CountDownLatch
 import java.util.concurrent.Executor
 import java.util.concurrent.TimeUnit
 import java.util.concurrent.atomic.AtomicInteger
+import kotlin.concurrent.thread
 import kotlin.time.Duration.Companion.ZERO
 import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.Dispatchers
@@ -18,6 +19,7 @@ import kotlinx.coroutines.runBlocking
 import kotlinx.coroutines.withTimeout
 import org.junit.jupiter.api.Assertions.assertEquals
 import org.junit.jupiter.api.Assertions.assertNotNull
+import org.junit.jupiter.api.Assertions.assertNotSame
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
 
@@ -89,6 +91,20 @@ class ForeignCodeTest {
             test.othersGoOn(blocked)
             runBlocking { here.cancelAndJoin() }
         }
+    }
+
+    @Test
+    fun `who is led off a thread that delivers is on another one, however quick that is`() {
+        // it has gone on before `execute` returns
+        val handover = Handover { task -> thread { task.run() }.join() }
+        handover.isDelivering()
+        var there: Thread? = null
+        CoroutineScope(Dispatchers.Unconfined).launch {
+            handover.away()
+            there = Thread.currentThread()
+        }
+        assertNotNull(there)
+        assertNotSame(Thread.currentThread(), there)
     }
 
     @Test
