@@ -269,7 +269,7 @@ class AidTest {
         val source = sensors.source()
         assertEquals(1000L, source.eventTimeNs(1000), "nothing is known")
         val collecting = async { source.samples().first { it.timeNs == 8 * second } }
-        withTimeout(20_000) { while (sensors.registrations.size < 2) yield() }
+        withTimeout(120_000) { while (sensors.registrations.size < 2) yield() }
         fun deliver(timeNs: Long, nowNs: Long) {
             sensors.continuousNs = nowNs
             sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, timeNs, 1f, 2f, 3f)
@@ -283,7 +283,7 @@ class AidTest {
         val other = FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_GRAVITY)
         val counting = other.source()
         val ended = async { counting.samples().first { it.timeNs == 8 * second } }
-        withTimeout(20_000) { while (other.registrations.size < 2) yield() }
+        withTimeout(120_000) { while (other.registrations.size < 2) yield() }
         other.continuousNs = 3608 * second + 5_000_000
         other.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, 8 * second, 1f, 2f, 3f)
         ended.await()

@@ -31,15 +31,15 @@ class AppTest {
         val activity = FakeActivity(app)
         val events = events(tumbling(600))
         val collecting = launch { Compass(activity).readings().first { it.sample.timeNs == events.last().timeNs } }
-        withTimeout(20_000) { while (sensors.registrations.size < 3) yield() }
+        withTimeout(120_000) { while (sensors.registrations.size < 3) yield() }
         assertTrue(sensors.registrations.all { it.periodUs == 10_000 && it.latencyUs == 0 }, "${sensors.registrations}")
         events.forEach(sensors::deliver)
         // what the last events wait for
         val later = SensorSample.Up(UpSample(events.last().timeNs + 50_000_000, DeviceVector(0.0, 0.0, 9.81)))
         sensors.deliver(later)
         collecting.join()
-        withTimeout(20_000) { while (app.preferences.getString("calibration", null) == null) yield() }
-        withTimeout(20_000) { while (sensors.registrations.isNotEmpty()) kotlinx.coroutines.delay(10) }
+        withTimeout(120_000) { while (app.preferences.getString("calibration", null) == null) yield() }
+        withTimeout(120_000) { while (sensors.registrations.isNotEmpty()) kotlinx.coroutines.delay(10) }
         assertEquals(0, sensors.threads, "its thread has ended")
 
         // the next launch, whatever its options and its config
@@ -48,9 +48,9 @@ class AppTest {
         assertEquals(ReferenceAxis.CAMERA, next.axis)
         assertEquals(null, next.sensors.value)
         val first = launch { assertNotNull(next.readings().first().reading.fieldUt, "calibrated at once") }
-        withTimeout(20_000) { while (sensors.registrations.size < 2) yield() }
+        withTimeout(120_000) { while (sensors.registrations.size < 2) yield() }
         assertEquals(listOf(20_000, 20_000), sensors.registrations.map { it.periodUs })
-        withTimeout(20_000) { while (next.sensors.value == null) yield() }
+        withTimeout(120_000) { while (next.sensors.value == null) yield() }
         assertEquals(Sensor.TYPE_GRAVITY, next.sensors.value!!.up!!.type)
         sensors.deliver(events.last())
         sensors.deliver(later)
@@ -63,7 +63,7 @@ class AppTest {
             val app = FakeApp(sensors, permissions.toSet(), targetSdk)
             val source = SensorManagerSource(app, SensorOptions(rateHz, holdS = 0.0))
             val collecting = launch { source.samples().first() }
-            withTimeout(20_000) { while (sensors.registrations.isEmpty() && collecting.isActive) yield() }
+            withTimeout(120_000) { while (sensors.registrations.isEmpty() && collecting.isActive) yield() }
             sensors.deliver(events(tumbling(1)).first())
             collecting.join()
         }

@@ -78,7 +78,7 @@ object CostMain {
                 }
             }
         }
-        withTimeout(20_000) { while (sensors.registrations.size < 3) delay(1) }
+        withTimeout(120_000) { while (sensors.registrations.size < 3) delay(1) }
         val player = Player(sensors, types)
         // until the JVM has compiled it
         player.play(SAMPLES)

@@ -89,7 +89,7 @@ class EventQueueTest {
         val source = sensors.source(holdS?.let { options.copy(holdS = it) } ?: options)
         return kotlinx.coroutines.coroutineScope {
             val readings = async { source.samples().compensated().take(events.size / 3 - 50).toList() }
-            withTimeout(20_000) { while (sensors.registrations.size < 3) yield() }
+            withTimeout(120_000) { while (sensors.registrations.size < 3) yield() }
             if (batchMs == 0L) {
                 events.forEach(sensors::deliver)
             } else {
@@ -98,7 +98,7 @@ class EventQueueTest {
                     batch.sortedBy { if (it is SensorSample.Magnetic) 0 else if (it is SensorSample.Up) 1 else 2 }.forEach(sensors::deliver)
                 }
             }
-            withTimeout(60_000) { readings.await() }.map { it.reading }
+            withTimeout(120_000) { readings.await() }.map { it.reading }
         }
     }
 

@@ -170,13 +170,13 @@ class FactsTest {
             val sensors = FakeSensorManager(*types)
             val samples = mutableListOf<SensorSample>()
             val collecting = launch { sensors.source().samples().take(3).toList(samples) }
-            withTimeout(20_000) { while (sensors.registrations.size < 3) yield() }
+            withTimeout(120_000) { while (sensors.registrations.size < 3) yield() }
             val events = case.getJSONObject("android")
             for ((type, key) in types.zip(listOf("gyroscope", "gravity", "magnetic_field_uncalibrated"))) {
                 val value = events.getJSONArray(key)
                 sensors.deliver(type, timeNs, *FloatArray(3) { value.getDouble(it).toFloat() })
             }
-            withTimeout(20_000) { collecting.join() }
+            withTimeout(120_000) { collecting.join() }
             val rate = (samples[0] as SensorSample.RotationRate).sample
             val up = (samples[1] as SensorSample.Up).sample
             val field = (samples[2] as SensorSample.Magnetic).sample

@@ -47,7 +47,7 @@ class FakeSensorManager(vararg types: Int, hardIron: Boolean = true, fullScaleUt
         SensorManagerSource(this, options, { continuousNs }, handover) { permitted }
 
     /** Waits until so many are registered. */
-    suspend fun registered(count: Int) = withTimeout(20_000) { while (registrations.size < count) yield() }
+    suspend fun registered(count: Int) = withTimeout(120_000) { while (registrations.size < count) yield() }
 
     /** Delivers an event of a type to whoever listens to it. */
     fun deliver(type: Int, timeNs: Long, vararg values: Float) {

@@ -46,7 +46,7 @@ class FirstReadingTest {
     private fun first(headingDeg: Double, reported: DeviceVector?, config: CompensationConfig = CompensationConfig()): MagneticReading = runBlocking {
         val sensors = FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_GRAVITY)
         val reading = async { Compass(sensors.source(), config, grace = ZERO).readings().take(1).toList().single().reading }
-        withTimeout(20_000) { while (sensors.registrations.size < 2) yield() }
+        withTimeout(120_000) { while (sensors.registrations.size < 2) yield() }
         val (north, east) = Pair(cos(Math.toRadians(headingDeg)), sin(Math.toRadians(headingDeg)))
         sensors.deliver(SensorSample.Up(UpSample(STEP_NS, DeviceVector(0.0, 0.0, 9.81))))
         val raw = DeviceVector(hardIron.x - 20 * east, hardIron.y + 20 * north, hardIron.z - 45)

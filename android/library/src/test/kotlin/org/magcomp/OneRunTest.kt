@@ -36,7 +36,7 @@ class OneRunTest {
 
     private fun magnetic(timeNs: Long) = sensors.deliver(mag, timeNs, 1f, 2f, (timeNs % 97).toFloat(), 0f, 0f, 0f)
 
-    private suspend fun until(what: () -> Boolean) = withTimeout(60_000) { while (!what()) yield() }
+    private suspend fun until(what: () -> Boolean) = withTimeout(120_000) { while (!what()) yield() }
 
     /** So many steps of a phone that is turned, whose gravity is silent. */
     private fun Phone.play(steps: Int) = repeat(steps) {
@@ -148,7 +148,7 @@ class OneRunTest {
         for (k in 1L..1000) magnetic(k)
         assertEquals(Pair(0, 1000L), Pair(slow.size, other.get()))
         gate.complete(Unit)
-        withTimeout(60_000) { stuck.join() }
+        withTimeout(120_000) { stuck.join() }
         assertTrue(error.single() is SensorException.NotTaken, "${error.single()}")
         assertEquals(181, slow.size, "those of a minute, and the one that was being taken")
         assertEquals(3, sensors.registrations.size)
@@ -206,7 +206,7 @@ class OneRunTest {
         yield()
         assertTrue(reading.isActive)
         sensors.deliver(Sensor.TYPE_GYROSCOPE, STEP_NS + 60_000_000, 0f, 0f, 0f)
-        withTimeout(60_000) { reading.join() }
+        withTimeout(120_000) { reading.join() }
         assertTrue(!reading.isCancelled)
     }
 }

@@ -102,7 +102,7 @@ class RecorderTest {
                 }
             }
             // all but those that still wait for their turn
-            withTimeout(60_000) { while (rows(file).count { it.getOrNull(12)?.isNotEmpty() == true } < 1490) delay(20) }
+            withTimeout(120_000) { while (rows(file).count { it.getOrNull(12)?.isNotEmpty() == true } < 1490) delay(20) }
             recording.cancelAndJoin()
             val rows = rows(file)
             val (fields, rates) = Pair(rows.filter { it[2] != "" }, rows.filter { it[12] != "" })
@@ -140,12 +140,18 @@ class RecorderTest {
     fun `who made it and what with is in its first row`() = runBlocking {
         val sensors = FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD, Sensor.TYPE_ACCELEROMETER)
         val file = folder.resolve("r.csv")
-        val recording = async(Dispatchers.Default) { sensors.source().record(file) }
+        val nowNs = AtomicLong()
+        val recording = async(Dispatchers.Default) { sensors.source().record(file, 100_000_000) { nowNs.get() } }
         sensors.registered(2)
-        sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD, 1, 1f, 2f, 3f)
-        delay(1)
+        var timeNs = 0L
+        withTimeout(120_000) {
+            while (!file.exists() || file.readLines().size < 2) {
+                nowNs.addAndGet(1_000_000_000)
+                sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD, ++timeNs, 1f, 2f, 3f)
+                delay(5)
+            }
+        }
         recording.cancelAndJoin()
-        withTimeout(20_000) { while (file.readLines().size < 2) delay(1) }
         assertTrue(file.readLines()[1].endsWith("\"magcomp $VERSION; MAKER MODEL, Android 15; magnetometer m\"\"1\"\" of maker, inc; up a of maker\""), file.readText())
         assertTrue("<version>$VERSION</version>" in repository.resolve("android/pom.xml").readText())
     }
@@ -171,7 +177,7 @@ class RecorderTest {
                 }
                 return lines
             }
-            withTimeout(60_000) {
+            withTimeout(120_000) {
                 while (cut().size < 1000) {
                     nowNs.addAndGet(1_000_000_000)
                     phone.advance(still = false).forEach(sensors::deliver)
@@ -241,7 +247,7 @@ class RecorderTest {
         val file = folder.resolve("r.csv.gz")
         val recording = async(Dispatchers.Default) { compass.record(file) }
         // until it has begun
-        withTimeout(20_000) {
+        withTimeout(120_000) {
             while (file.length() == 0L) {
                 phone.advance(still = false).forEach(sensors::deliver)
                 delay(1)
@@ -268,7 +274,7 @@ class RecorderTest {
         }
         val file = folder.resolve("r.csv")
         val recording = async(Dispatchers.Default) { waiting.record(file) }
-        withTimeout(20_000) { while (!file.exists()) delay(1) }
+        withTimeout(120_000) { while (!file.exists()) delay(1) }
         recording.cancelAndJoin()
         assertEquals(1, file.readLines().size)
     }

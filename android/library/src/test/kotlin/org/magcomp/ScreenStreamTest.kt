@@ -41,7 +41,7 @@ class ScreenStreamTest {
         sensors.registered(3)
         play(2000)
         gate.complete(Unit)
-        withTimeout(20_000) { while (readings.size < 2000 || headings.size < 2) yield() }
+        withTimeout(120_000) { while (readings.size < 2000 || headings.size < 2) yield() }
         assertEquals(List(2000) { (it + 1) * STEP_NS }, readings.map { it.sample.timeNs })
         assertEquals(0L, readings.sumOf { it.droppedBefore })
         assertEquals(listOf(STEP_NS, 2000 * STEP_NS), headings.map { it.timeNs })
@@ -58,7 +58,7 @@ class ScreenStreamTest {
         sensors.registered(3)
         play(Compass.MOST_WAITING + 11)
         gate.complete(Unit)
-        withTimeout(20_000) { while (readings.lastOrNull()?.sample?.timeNs != phone.timeNs) yield() }
+        withTimeout(120_000) { while (readings.lastOrNull()?.sample?.timeNs != phone.timeNs) yield() }
         assertEquals(Compass.MOST_WAITING + 1, readings.size)
         assertEquals(10L, readings[1].droppedBefore)
         val (whole, told) = Pair(readings[2], readings[1])
@@ -80,13 +80,13 @@ class ScreenStreamTest {
         assertEquals(1, sensors.most.get())
         screen.cancelAndJoin()
         other.cancelAndJoin()
-        withTimeout(20_000) { while (sensors.registrations.isNotEmpty() || compass.state.value != CompassState.Waiting) delay(1) }
+        withTimeout(120_000) { while (sensors.registrations.isNotEmpty() || compass.state.value != CompassState.Waiting) delay(1) }
     }
 
     @Test
     fun `a state flow has the error, and the next collector begins anew`() = runBlocking {
         sensors.refuse = Sensor.TYPE_GRAVITY
-        val refused = withTimeout(20_000) { compass.state.first { it is CompassState.Ended } } as CompassState.Ended
+        val refused = withTimeout(120_000) { compass.state.first { it is CompassState.Ended } } as CompassState.Ended
         assertTrue(refused.error is SensorException.Refused)
         sensors.refuse = null
         val screen = scope.launch { compass.state.collect { } }
@@ -101,9 +101,9 @@ class ScreenStreamTest {
         suspend fun asked(steps: Int, ask: suspend () -> CompassReading?): CompassReading? {
             var found: CompassReading? = null
             val asking = CoroutineScope(Dispatchers.Default).launch { found = ask() }
-            withTimeout(20_000) { while (sensors.registrations.size < 3 && asking.isActive) yield() }
+            withTimeout(120_000) { while (sensors.registrations.size < 3 && asking.isActive) yield() }
             for (k in 1..steps) if (asking.isActive) play(1)
-            withTimeout(60_000) { asking.join() }
+            withTimeout(120_000) { asking.join() }
             return found
         }
         val first = asked(3000) { compass.heading(within = 60.seconds) }!!
@@ -124,7 +124,7 @@ class ScreenStreamTest {
         val broken = object : MagneticFieldSource {
             override fun samples() = flow<SensorSample> { throw StackOverflowError("on purpose") }
         }
-        val told = withTimeout(20_000) { Compass(broken).state.first { it is CompassState.Ended } } as CompassState.Ended
+        val told = withTimeout(120_000) { Compass(broken).state.first { it is CompassState.Ended } } as CompassState.Ended
         assertTrue(told.error!!.cause is StackOverflowError)
     }
 

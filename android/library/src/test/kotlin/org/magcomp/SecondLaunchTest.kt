@@ -222,10 +222,10 @@ class SecondLaunchTest {
         val compass = Compass(sensors.source(), config, store, grace = ZERO).apply { unixTimeS = { nowS } }
         val readings = CopyOnWriteArrayList<CompensatedReading>()
         val app = launch { compass.readings().collect { readings += it } }
-        withTimeout(20_000) { while (sensors.registrations.size < 3) yield() }
+        withTimeout(120_000) { while (sensors.registrations.size < 3) yield() }
         accuracy?.let { sensors.tell(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, it) }
         repeat(samples) { phone.advance(still).forEach(sensors::deliver) }
-        withTimeout(60_000) { while (readings.lastOrNull()?.sample?.timeNs != phone.timeNs) yield() }
+        withTimeout(120_000) { while (readings.lastOrNull()?.sample?.timeNs != phone.timeNs) yield() }
         app.cancelAndJoin()
         readings
     }

@@ -77,7 +77,7 @@ class SensorManagerSourceTest {
         }
         val fast = SensorOptions(magnetometerRateHz = 201)
         assertThrows(SensorException.PermissionMissing::class.java) {
-            runBlocking { withTimeout(20_000) { FakeSensorManager(*all).source(fast, permitted = false).samples().first() } }
+            runBlocking { withTimeout(120_000) { FakeSensorManager(*all).source(fast, permitted = false).samples().first() } }
         }
         for (rateHz in listOf(0, 1001)) assertThrows(IllegalArgumentException::class.java) { SensorOptions(magnetometerRateHz = rateHz) }
     }
@@ -100,7 +100,7 @@ class SensorManagerSourceTest {
     fun `what is missing or refused is a typed error that says which`() {
         fun fails(sensors: FakeSensorManager, options: SensorOptions = SensorOptions(), permitted: Boolean = true): SensorException {
             val error = assertThrows(SensorException::class.java) {
-                runBlocking { withTimeout(20_000) { sensors.source(options, permitted).samples().first() } }
+                runBlocking { withTimeout(120_000) { sensors.source(options, permitted).samples().first() } }
             }
             assertEquals(0, sensors.registrations.size, "nothing stays registered")
             assertEquals(0, sensors.threads, "no thread stays")
@@ -239,7 +239,7 @@ class SensorManagerSourceTest {
         sensors.registered(3)
         suspend fun read(timeNs: Long) {
             sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, timeNs, 1f, 2f, 3f + timeNs, 0f, 0f, 0f)
-            withTimeout(20_000) { while (readings.size < timeNs) yield() }
+            withTimeout(120_000) { while (readings.size < timeNs) yield() }
         }
         read(1)
         sensors.tell(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, SensorManager.SENSOR_STATUS_UNRELIABLE)
@@ -321,7 +321,7 @@ class SensorManagerSourceTest {
                 sensors.continuousNs = phone.timeNs + ((sleptS + lateS(k)) * 1e9).toLong()
                 events.forEach(sensors::deliver)
             }
-            withTimeout(60_000) { while (readings.lastOrNull()?.sample?.timeNs != phone.timeNs) yield() }
+            withTimeout(120_000) { while (readings.lastOrNull()?.sample?.timeNs != phone.timeNs) yield() }
             return readings.last().reading
         }
         val compensator = { compass.kept!!.compensator }
@@ -330,7 +330,7 @@ class SensorManagerSourceTest {
         // batches of 5 s, and an event of an hour ago
         pass(1000, still = true) { k -> (500 - k % 500) * 0.01 }
         sensors.deliver(SensorSample.Magnetic(MagneticSample(phone.timeNs - 3_600_000_000_000, HARD_IRON_UT)))
-        withTimeout(60_000) { while (readings.last().reading.status !is CompensationStatus.Rejected) yield() }
+        withTimeout(120_000) { while (readings.last().reading.status !is CompensationStatus.Rejected) yield() }
         val before = pass(1000, still = true) { k -> (500 - k % 500) * 0.01 }
         assertEquals(Pair(0.0, gaps), Pair(source.hiddenS, compensator().gaps()))
         // a nap that is as good as none
@@ -409,7 +409,7 @@ class SensorManagerSourceTest {
         val job = launch { source.samples().take(count).toList(samples) }
         sensors.registered(1)
         play()
-        withTimeout(20_000) { job.join() }
+        withTimeout(120_000) { job.join() }
         samples
     }
 }

@@ -128,7 +128,7 @@ class SharedCompassTest {
         val collected = List(3) { CopyOnWriteArrayList<CompensatedReading>() }
         fun collecting(n: Int, count: Int) = async { compass.readings().take(count).toList(collected[n]) }
         suspend fun arrived(vararg counts: Int) =
-            withTimeout(20_000) { while (collected.map { it.size } != counts.toList()) yield() }
+            withTimeout(120_000) { while (collected.map { it.size } != counts.toList()) yield() }
         fun field(k: Long) = sensors.deliver(SensorSample.Magnetic(MagneticSample(k, DeviceVector(1.0, 2.0, k.toDouble()))))
 
         val one = collecting(0, 4)
@@ -161,7 +161,7 @@ class SharedCompassTest {
         assertEquals(CompensationStatus.Tracking, last.reading.status)
         val before = store.saves.get()
         screen.cancelAndJoin()
-        withTimeout(20_000) { while (store.saves.get() == before) delay(1) }
+        withTimeout(120_000) { while (store.saves.get() == before) delay(1) }
         assertEquals(3, sensors.registrations.size, "the sensors go on")
         val kept = Compensator().use { it.apply { adoptKept(store.text!!, null) }.calibration()!! }
         val found = Compensator().use { it.apply { pushAll(events.take(1000)) }.calibration()!! }
@@ -251,7 +251,7 @@ class SharedCompassTest {
         val broken = async { runCatching { compass.readings().toList(arrived) }.exceptionOrNull() }
         registered(3)
         events.take(1000).forEach(sensors::deliver)
-        withTimeout(20_000) { while (arrived.lastOrNull()?.sample?.timeNs != events[999].timeNs) yield() }
+        withTimeout(120_000) { while (arrived.lastOrNull()?.sample?.timeNs != events[999].timeNs) yield() }
         TestHooks.panicOnPurpose(compass.kept!!.compensator.handle)
         sensors.deliver(events[1001])
         assertTrue(broken.await() is MagcompException.Panicked)
@@ -289,9 +289,9 @@ class SharedCompassTest {
         Thread.setDefaultUncaughtExceptionHandler { _, error -> uncaught += error }
         try {
             val ends = List(3) { async { runCatching { compass.readings().toList() }.exceptionOrNull() } }
-            for (end in ends) assertTrue(withTimeout(20_000) { end.await() } is StackOverflowError)
+            for (end in ends) assertTrue(withTimeout(120_000) { end.await() } is StackOverflowError)
             compass.close()
-            withTimeout(20_000) { while (compass.kept != null) yield() }
+            withTimeout(120_000) { while (compass.kept != null) yield() }
         } finally {
             Thread.setDefaultUncaughtExceptionHandler(before)
         }
@@ -308,13 +308,13 @@ class SharedCompassTest {
             registered(3)
             events.take(delivered).forEach(sensors::deliver)
             fun last() = arrived.count { it.sample.timeNs == events[999].timeNs }
-            withTimeout(20_000) { while (delivered > 0 && last() < 2) yield() }
+            withTimeout(120_000) { while (delivered > 0 && last() < 2) yield() }
             val estimation = compass.kept
             compass.close()
             compass.close()
-            for (collector in collectors) withTimeout(20_000) { collector.await() }
+            for (collector in collectors) withTimeout(120_000) { collector.await() }
             ended()
-            withTimeout(20_000) { while (compass.kept != null) yield() }
+            withTimeout(120_000) { while (compass.kept != null) yield() }
             assertEquals(delivered > 0, store.text != null)
             estimation?.let { assertThrows(MagcompException.Closed::class.java) { it.compensator.calibration() } }
             assertThrows(MagcompException.Closed::class.java) { runBlocking { compass.readings().first() } }
@@ -335,7 +335,7 @@ class SharedCompassTest {
         seeing.cancelAndJoin()
         // the latest is kept for who joins
         sensors.deliver(events[3])
-        withTimeout(60_000) { while (told!!.get() != null) delay(1).also { System.gc() } }
+        withTimeout(120_000) { while (told!!.get() != null) delay(1).also { System.gc() } }
         staying.cancelAndJoin()
     }
 
@@ -396,8 +396,8 @@ class SharedCompassTest {
                     compass.readings().first()
                 }
             }
-            withTimeout(20_000) { screens.forEach { it.join() } }
-            withTimeout(20_000) { while (slow.ends.get() == 0) yield() }
+            withTimeout(120_000) { screens.forEach { it.join() } }
+            withTimeout(120_000) { while (slow.ends.get() == 0) yield() }
             assertEquals(1, slow.most.get())
         }
     }
@@ -414,7 +414,7 @@ class SharedCompassTest {
         assertTrue(compass.readings().first().reading.status is CompensationStatus.Collecting)
     }
 
-    private suspend fun registered(count: Int) = withTimeout(20_000) { while (sensors.registrations.size < count) yield() }
+    private suspend fun registered(count: Int) = withTimeout(120_000) { while (sensors.registrations.size < count) yield() }
 
-    private suspend fun ended() = withTimeout(20_000) { while (sensors.registrations.isNotEmpty() || sensors.threads > 0) delay(1) }
+    private suspend fun ended() = withTimeout(120_000) { while (sensors.registrations.isNotEmpty() || sensors.threads > 0) delay(1) }
 }

@@ -64,7 +64,7 @@ class StoreOutsideTest {
 
     private fun play(steps: Int) = repeat(steps) { phone.advance(still = false).forEach(sensors::deliver) }
 
-    private suspend fun until(what: () -> Boolean) = withTimeout(20_000) { while (!what()) delay(1) }
+    private suspend fun until(what: () -> Boolean) = withTimeout(120_000) { while (!what()) delay(1) }
 
     private fun collected(store: CalibrationStore, body: suspend (Compass) -> Unit) = runBlocking {
         val compass = Compass(sensors.source(), store = store, grace = ZERO)
@@ -108,11 +108,11 @@ class StoreOutsideTest {
                 val before = compass.kept!!.compensator.calibration()
                 store.mayLoad.countDown()
                 if (isLearned) {
-                    withTimeout(20_000) { compass.kept!!.settled() }
+                    withTimeout(120_000) { compass.kept!!.settled() }
                     play(1)
                     assertEquals(before!!.hardIronUt.x, compass.kept!!.compensator.calibration()!!.hardIronUt.x, 0.5)
                 } else {
-                    withTimeout(20_000) { while (readings.last().reading.fieldUt == null) play(1).also { yield() } }
+                    withTimeout(120_000) { while (readings.last().reading.fieldUt == null) play(1).also { yield() } }
                     assertTrue(readings.size < 1000, "too soon to be learned: ${readings.size}")
                 }
             }
@@ -135,9 +135,9 @@ class StoreOutsideTest {
             sensors.registered(3)
             play(1)
             assertEquals("no such file", readings.last().storeError!!.message)
-            withTimeout(60_000) { while (readings.last().storeError?.message != "the disk is full") play(1).also { yield() } }
+            withTimeout(120_000) { while (readings.last().storeError?.message != "the disk is full") play(1).also { yield() } }
             store.isFull = false
-            withTimeout(60_000) { while (readings.last().storeError != null) play(1).also { yield() } }
+            withTimeout(120_000) { while (readings.last().storeError != null) play(1).also { yield() } }
         }
     }
 
@@ -161,7 +161,7 @@ class StoreOutsideTest {
         repeat(2) { run ->
             val job = CoroutineScope(Dispatchers.Unconfined).launch { compass.readings().collect(readings::add) }
             sensors.registered(3)
-            if (run == 0) withTimeout(60_000) { while (store.asked.get() == 0) play(1).also { yield() } }
+            if (run == 0) withTimeout(120_000) { while (store.asked.get() == 0) play(1).also { yield() } }
             if (run == 1) sensors.deliver(SensorSample.Up(UpSample(phone.timeNs + STEP_NS, DeviceVector(0.0, 0.0, 9.81))))
             job.cancelAndJoin()
         }

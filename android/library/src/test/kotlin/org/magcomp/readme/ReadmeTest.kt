@@ -49,7 +49,7 @@ class ReadmeTest {
         val compass = Compass(FakeApp(sensors))
         compass.screenRotation = ScreenRotation.DEG90
         val last = async { compass.readings().first { it.sample.timeNs == 600 * STEP_NS } }
-        withTimeout(20_000) { while (sensors.registrations.size < 2) yield() }
+        withTimeout(120_000) { while (sensors.registrations.size < 2) yield() }
         val events = events(tumbling(600)) + SensorSample.Up(UpSample(700 * STEP_NS, DeviceVector(0.0, 0.0, 9.8)))
         events.forEach(sensors::deliver)
         last.await()
@@ -67,7 +67,7 @@ class ReadmeTest {
     @Test
     fun `the first page's snippet shows a heading`(): Unit = runBlocking {
         val heading = async { headings(FakeApp(sensors)).first { " deg +- " in it } }
-        withTimeout(20_000) { while (sensors.registrations.size < 2) yield() }
+        withTimeout(120_000) { while (sensors.registrations.size < 2) yield() }
         val events = events(tumbling(600)) + SensorSample.Up(UpSample(700 * STEP_NS, DeviceVector(0.0, 0.0, 9.8)))
         events.forEach(sensors::deliver)
         assertTrue(Regex("[0-9.]+ deg \\+- [0-9.]+").matches(heading.await()), heading.await())
@@ -77,14 +77,14 @@ class ReadmeTest {
     fun `it shows a heading, goes on over a rotation, and says what is missing`(): Unit = runBlocking {
         val model = CompassViewModel(FakeApp(sensors))
         val heading = async { model.text.first { "give or take" in it } }
-        withTimeout(20_000) { while (sensors.registrations.size < 2) yield() }
+        withTimeout(120_000) { while (sensors.registrations.size < 2) yield() }
         val events = events(tumbling(600)) + SensorSample.Up(UpSample(700 * STEP_NS, DeviceVector(0.0, 0.0, 9.8)))
         events.forEach(sensors::deliver)
         assertTrue(Regex("[0-9]+°, give or take [0-9]+°").matches(heading.await()), heading.await())
         // turned: the latest at once, though no event comes
         assertTrue("give or take" in model.text.first())
         assertEquals(1, sensors.most.get())
-        withTimeout(20_000) { while (sensors.registrations.isNotEmpty()) delay(10) }
+        withTimeout(120_000) { while (sensors.registrations.isNotEmpty()) delay(10) }
 
         assertEquals("This phone has no compass.", CompassViewModel(FakeApp(FakeSensorManager())).text.first())
     }

@@ -220,7 +220,7 @@ class ScreenTest {
         }
         val states = async { ScreenModel(resources).states(Compass(silent, grace = ZERO), MutableStateFlow(null)).first() }
         told.value = SensorsInUse(used.copy(isSilent = true), null, null, null)
-        assertTrue("the magnetometer delivers nothing" in withTimeout(20_000) { states.await() }.status)
+        assertTrue("the magnetometer delivers nothing" in withTimeout(120_000) { states.await() }.status)
     }
 
     private val letters = listOf("N", "E", "S", "W")
