@@ -208,12 +208,26 @@ pub fn compare_folder(
     Ok(Comparison { methods, recordings, ours, warnings })
 }
 
-/// A line of the operating system's half of a trial.
+/// A line of the operating system's half of a trial; cells are empty where it had no field.
 #[derive(Deserialize)]
 struct SystemLine {
-    mx: f64,
-    my: f64,
-    mz: f64,
+    mx: Option<f64>,
+    my: Option<f64>,
+    mz: Option<f64>,
+}
+
+/// The operating system's field beside each row of a recording; none where the recording has no such half.
+fn system_of(path: &Path, rows: usize) -> Result<Vec<Option<Vector3<f64>>>, LabError> {
+    let Some(half) = system_half(path) else { return Ok(Vec::new()) };
+    let lines: Vec<SystemLine> = read_table(&half, "the system's field, with the columns mx,my,mz")?;
+    if lines.len() != rows {
+        let why = format!("{} rows for a recording of {rows}", lines.len());
+        return Err(LabError::Usage(format!(
+            "{}: {why}; write a row for each of its rows, with empty cells where there is no field",
+            half.display()
+        )));
+    }
+    Ok(lines.iter().map(|line| Some(Vector3::new(line.mx?, line.my?, line.mz?))).collect())
 }
 
 /// One recording through all methods.
@@ -223,9 +237,7 @@ fn compared(path: &Path, groups: &Groups, entries: &[Entry]) -> Result<Compared,
     let initial = calibration.as_ref().map(|name| first_step(path, name)).transpose()?;
     let mut opened = open(&[path.to_owned()], &ImportOptions::default())?;
     let extent = *opened.source.extent();
-    let half = system_half(path);
-    let system: Vec<SystemLine> =
-        half.map_or(Ok(Vec::new()), |half| read_table(&half, "the system's field, with the columns mx,my,mz"))?;
+    let system = system_of(path, extent.rows)?;
     let known =
         Known { seed: 0, noise_ut: NOISE_UT, field_ut: FIELD_UT, parameters: None, initial: None, reference: false };
     let judge = || HeadingJudge::new(&extent, judged_s.map(|judged_s| extent.start_s + judged_s));
@@ -244,8 +256,7 @@ fn compared(path: &Path, groups: &Groups, entries: &[Entry]) -> Result<Compared,
     let mut magnet = magnet_s.map(|told| Magnet::new(told, extent.start_s));
     for (k, row) in opened.source.rows()?.enumerate() {
         let row = row?;
-        let beside = system.get(k).map(|line| Vector3::new(line.mx, line.my, line.mz));
-        let system_ut = row.system_ut.or(beside);
+        let system_ut = row.system_ut.or(system.get(k).copied().flatten());
         for (rival, method, judge) in &mut running {
             let Some(method) = method else { continue };
             if rival.contestant.is_aided() {
@@ -379,6 +390,20 @@ mod tests {
         assert!(entry.answers(name, rows.len() + 1).is_err() && entry.answers("other", 1).unwrap().is_none());
         assert!("mine".parse::<Entry>().is_err());
     }
+
+    #[test]
+    fn the_systems_field_may_have_empty_cells_but_no_row_may_lack() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("walk_uncal.csv");
+        assert_eq!(system_of(&path, 3).unwrap(), []);
+        std::fs::write(folder.path().join("walk_oscal.csv"), "t_s,mx,my,mz\n0.0,1,2,3\n0.1,,,\n0.2,4,,5\n").unwrap();
+        assert_eq!(system_of(&path, 3).unwrap(), [Some(Vector3::new(1.0, 2.0, 3.0)), None, None]);
+        for rows in [2, 4] {
+            let why = system_of(&path, rows).unwrap_err().to_string();
+            assert!(why.contains(&format!("3 rows for a recording of {rows}")) && why.contains("empty cells"), "{why}");
+        }
+    }
+
     use magcomp::nalgebra::Matrix3;
 
     /// A turning sensor in a field of 50 uT, (1, -2, 30) uT from 50 s to 100 s; our hard iron is 0.5 uT short of that along z.
