@@ -57,6 +57,10 @@ fn courses_of_fixes_become_columns() {
     let expected = "t_s,mx,my,mz,ax,ay,az,gx,gy,gz,course_deg,course_sigma_deg\n0.000000000,200,30,-400,,,,,,,,\n\
                     0.005000000,,,,,,,,,,271.5,4.5\n0.010000100,201,31,-401,,,,,,,,\n";
     assert_eq!(imported(&[folder.path()], &[]), expected);
+    let elsewhere = tempfile::tempdir().unwrap();
+    let out = elsewhere.path().join("out.csv");
+    let (code, told, _) = crate::run(&["import", folder.path().to_str().unwrap(), "--output", out.to_str().unwrap()]);
+    assert!(code == 0 && told.contains("2 of 3 fixes have no course"), "{code}: {told}");
 
     let log = "# Fix,Provider,LatitudeDegrees,...\nUncalMag,1700000000000,1000000,200,30,-400,0,0,0\n\
                Fix,GPS,52.5,13.4,40,12.0,3.0,271.5,1700000000001,0.3,4.5,1500000,2.0,0\n\

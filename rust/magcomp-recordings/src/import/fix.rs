@@ -3,7 +3,7 @@
 use crate::recording::Course;
 
 /// Choice: slower than this a course says little of where one moves, m/s.
-const LEAST_M_S: f64 = 1.0;
+pub(super) const LEAST_M_S: f64 = 1.0;
 /// Choice: the error of a GNSS speed across the course, where the phone tells none, m/s.
 const SPEED_SIGMA_M_S: f64 = 0.5;
 

@@ -37,9 +37,9 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, RecordingError> {
             if kind == "GNSS" {
                 let known = |column: usize| cells.number(column).unwrap_or(f64::NAN);
                 session.stand_at(known(PLACE[0]), known(PLACE[1]), known(PLACE[2]));
-                if let (Some(course), Ok(app_ns)) =
-                    (course(known(BEARING), f64::NAN, known(SPEED)), cells.time_ns(APP, SECOND_NS))
-                {
+                let found = course(known(BEARING), f64::NAN, known(SPEED));
+                session.without_course += usize::from(found.is_none());
+                if let (Some(course), Ok(app_ns)) = (found, cells.time_ns(APP, SECOND_NS)) {
                     let time_ns = app_ns.saturating_add(ahead_ns).clamp(1 - MOST_NS, MOST_NS - 1);
                     session.course.add(time_ns, course, || [cells.place(APP), cells.place(BEARING)])?;
                 }

@@ -119,6 +119,7 @@ fn finish(
     options: &ImportOptions,
 ) -> Result<(Events, Summary), RecordingError> {
     session.require_magnetometer(name, inputs)?;
+    session.tell_fixes();
     session.shift(&options.shift.unwrap_or_default());
     session.order(&options.frame.unwrap_or_default(), options.session, options.force)?;
     let more = plausible::check(&mut session)?;

@@ -58,7 +58,9 @@ impl Location {
         sheet.rows(|cells| {
             let known = |column: usize| cells.number(column).unwrap_or(f64::NAN);
             session.stand_at(known(latitude), known(longitude), self.height.map_or(f64::NAN, known));
-            if let Some(course) = course(known(direction), f64::NAN, known(self.speed)) {
+            let found = course(known(direction), f64::NAN, known(self.speed));
+            session.without_course += usize::from(found.is_none());
+            if let Some(course) = found {
                 let time_ns = cells.time_ns(0, SECOND_NS)?;
                 session.course.add(time_ns, course, || [cells.place(0), cells.place(direction)])?;
             }

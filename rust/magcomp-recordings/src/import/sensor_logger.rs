@@ -93,30 +93,32 @@ pub(super) fn read(documents: &[Document], units: &Units) -> Result<Session, Rec
             session.stand_at(latitude, longitude, altitude);
         }
         match courses(location) {
-            Ok(course) => session.course = course,
+            Ok((course, without)) => (session.course, session.without_course) = (course, without),
             Err(why) => session.leave_out("location", why),
         }
     }
     Ok(session)
 }
 
-/// The courses of a Location.csv; none where it has no bearing or no speed.
-fn courses(document: &Document) -> Result<Stream<Course>, RecordingError> {
-    let (sheet, mut courses) = (Sheet::new(document), Stream::default());
+/// The courses of a Location.csv, and how many fixes have none; none of either where it has no bearing or no speed.
+fn courses(document: &Document) -> Result<(Stream<Course>, usize), RecordingError> {
+    let (sheet, mut courses, mut without) = (Sheet::new(document), Stream::default(), 0);
     let (Some(time), Some(bearing), Some(speed)) =
         (sheet.column("time"), sheet.column("bearing"), sheet.column("speed"))
     else {
-        return Ok(courses);
+        return Ok((courses, 0));
     };
     let accuracy = sheet.column("bearingAccuracy");
     sheet.rows(|cells| {
         let known = |column: usize| cells.number(column).unwrap_or(f64::NAN);
-        if let Some(course) = course(known(bearing), accuracy.map_or(f64::NAN, known), known(speed)) {
+        let found = course(known(bearing), accuracy.map_or(f64::NAN, known), known(speed));
+        without += usize::from(found.is_none());
+        if let Some(course) = found {
             courses.add(cells.time_ns(time, 1)?, course, || [cells.place(time), cells.place(bearing)])?;
         }
         Ok(())
     })?;
-    Ok(courses)
+    Ok((courses, without))
 }
 
 /// Latitude and longitude, degrees, and height, m, of the first fix; not a number where it is not known.

@@ -1,6 +1,7 @@
 //! A logger's session: each sensor's events with their own times, as its files tell them.
 
 use super::document::Document;
+use super::fix::LEAST_M_S;
 use super::order::{sessions, tell};
 use super::stream::Stream;
 use super::units::{Frames, Kind, LeftOver, Shifts};
@@ -28,6 +29,8 @@ pub(super) struct Session {
     pub attitude: Stream<UnitQuaternion<f64>>,
     /// Courses of fixes, from true north.
     pub course: Stream<Course>,
+    /// How many fixes have none.
+    pub without_course: usize,
     /// Notes for the user.
     pub notes: Vec<String>,
     /// Parts that were left out, or may be wrong.
@@ -137,6 +140,7 @@ impl Session {
         pairs.into_iter().filter(|(_, more)| !more.events.is_empty()).for_each(|(stream, more)| *stream = more);
         self.attitude.events.extend(part.attitude.events);
         self.course.events.extend(part.course.events);
+        self.without_course += part.without_course;
         self.notes.extend(part.notes);
         self.warnings.extend(part.warnings);
         self.position = self.position.or(part.position);
@@ -149,6 +153,16 @@ impl Session {
         let height_m = if height_m.is_finite() { height_m } else { 0.0 };
         let place = known.then_some(GeoPoint { latitude_deg, longitude_deg, height_m });
         self.position = self.position.or(place);
+    }
+
+    /// Tells how many fixes say nothing of where one moves.
+    pub fn tell_fixes(&mut self) {
+        let (without, all) = (self.without_course, self.without_course + self.course.events.len());
+        if without > 0 {
+            self.notes.push(format!(
+                "{without} of {all} fixes have no course: they tell no direction, or a speed of less than {LEAST_M_S} m/s"
+            ));
+        }
     }
 
     /// When it began, ns since 1970, if that is known.

@@ -5,7 +5,6 @@ import android.os.Looper
 import android.view.Surface
 import org.junit.After
 import org.junit.Assert.assertEquals
-import org.junit.Assert.assertNotNull
 import org.junit.Assert.assertTrue
 import org.junit.Test
 import org.junit.runner.RunWith
@@ -52,8 +51,8 @@ abstract class Lifecycles {
         assertEquals(setOf(Sensor.TYPE_GYROSCOPE, Sensor.TYPE_GRAVITY, Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED), phone.registered(listener))
         phone.play(1500)
         var activity = controller.get()
-        assertTrue("${activity.label.text}", "give or take" in activity.label.text)
-        assertEquals(CompensationStatus.Tracking, activity.latest!!.status)
+        // readings come to a screen by way of other threads
+        until("a heading is shown") { "give or take" in activity.label.text && activity.latest?.status == CompensationStatus.Tracking }
 
         @Suppress("DEPRECATION")
         shadowOf(ShadowDisplay.getDefaultDisplay()).setRotation(Surface.ROTATION_90)
@@ -62,7 +61,7 @@ abstract class Lifecycles {
         phone.play(100)
         assertEquals("the same listener goes on", listener, phone.listeners.single())
         assertEquals(ScreenRotation.DEG90, activity.compass.screenRotation)
-        assertTrue(activity.latest!!.headingDeg != null && activity.shown > 50)
+        until("a heading is shown after the turn") { activity.latest?.headingDeg != null && activity.shown > 50 }
 
         controller.pause().stop()
         until("saved before the grace time has passed") { kept() != null }
@@ -76,7 +75,7 @@ abstract class Lifecycles {
         controller.restart().start().resume()
         until("registered again") { phone.listeners.size == 1 }
         phone.play(100)
-        assertTrue("a heading goes on: ${activity.label.text}", activity.latest!!.headingDeg != null && activity.shown > shown)
+        until("a heading goes on") { activity.latest?.headingDeg != null && activity.shown > shown }
 
         controller.pause().stop().destroy()
         app.compass.close()
@@ -93,8 +92,8 @@ abstract class Lifecycles {
         })
         until("registered by the next launch") { phone.listeners.size == 1 }
         phone.play(3, isTurned = false)
-        val reading = first.getNow(null)
-        assertNotNull("a heading from the first samples on", reading)
+        until("a heading from the first samples on") { first.isDone }
+        val reading = first.get()
         assertTrue("${reading.headingSigmaDeg}", reading.headingSigmaDeg!! < 30)
         running.close()
         again.close()
@@ -115,8 +114,9 @@ abstract class Lifecycles {
         val controller = Robolectric.buildActivity(CompassActivity::class.java).setup()
         until("registered") { phone.listeners.size == 1 }
         phone.play(1500)
+        until("tracking") { controller.get().latest?.status == CompensationStatus.Tracking }
         val reading = controller.get().latest!!
-        assertTrue("${reading.status}", reading.status == CompensationStatus.Tracking && reading.headingDeg != null)
+        assertTrue("${reading.status}", reading.headingDeg != null)
         assertEquals("this phone has no gyroscope", reading.details.sensors!!.withoutGyroscope)
     }
 
@@ -128,12 +128,13 @@ abstract class Lifecycles {
         until("registered") { phone.listeners.size == 1 }
         phone.play(1500)
         assertEquals(1, phone.listeners.size)
-        assertTrue(one.get().latest!!.headingDeg != null)
-        assertEquals(one.get().latest!!.timeNs, two.get().latest!!.timeNs)
+        until("both have the same heading") {
+            one.get().latest?.headingDeg != null && one.get().latest?.timeNs == two.get().latest?.timeNs
+        }
         one.pause().stop().destroy()
         val before = two.get().latest!!.timeNs
         phone.play(10)
-        assertTrue(two.get().latest!!.timeNs > before)
+        until("the other goes on") { two.get().latest!!.timeNs > before }
         assertEquals(1, phone.listeners.size)
         two.pause().stop().destroy()
         until("released") { phone.listeners.isEmpty() }
@@ -147,7 +148,7 @@ abstract class Lifecycles {
         until("registered") { phone.listeners.size == 1 }
         phone.play(1500)
         val readings = service.get().readings
-        assertTrue(readings.last().headingDeg != null)
+        until("a heading") { readings.lastOrNull()?.headingDeg != null }
         // the system delivers nothing more; the clock of the sensors' own looper goes on
         until("told") {
             phone.rest(100)
@@ -156,7 +157,8 @@ abstract class Lifecycles {
         assertEquals(StreamStatus.Silent(PhoneSensor.entries.toSet()), readings.last().stream)
         assertEquals(null, readings.last().headingDeg)
         phone.play(10)
-        assertEquals(StreamStatus.Live, readings.last().stream)
+        // each sensor is heard by its own first event, and readings come with the magnetometer's
+        until("told that they are back") { readings.last().stream == StreamStatus.Live }
         service.destroy()
         until("released") { phone.listeners.isEmpty() }
     }
