@@ -80,7 +80,7 @@ FLOORS = {
         "watch": "state step tuning",
         "earth": "state step tuning",
         "motion": "propagate step tuning",
-        "adapt": "measure step tuning white",
+        "adapt": "measure propagate tuning white",
         "running": "earth state tuning watch",
         "events": "measure running state step tuning watch",
         "first_fit": "batch groups state step tuning",

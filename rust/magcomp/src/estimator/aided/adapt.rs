@@ -17,7 +17,7 @@ use nalgebra::ComplexField as _;
 use nalgebra::Vector3;
 
 use super::measure::Innovation;
-use super::step::Step;
+use super::propagate::ProcessNoise;
 use super::tuning::Tuning;
 use super::white::White;
 
@@ -83,13 +83,12 @@ impl Adaptation {
     }
 
     /// rho: by how much the variance of f, an average, is larger than the filter, which expects s_d, believes.
-    pub(crate) fn factor(&self, step: &Step<'_>, tuning: &Tuning) -> f64 {
+    pub(crate) fn factor(&self, noise: &ProcessNoise, dt_s: f64, tuning: &Tuning) -> f64 {
         if !tuning.followed {
             return 1.0;
         }
-        let density =
-            |local_ut2: f64| 2.0 * tuning.place_correlation_s * local_ut2 + self.mean.variance_ut2() * step.dt_s;
-        (density(self.followed_power_ut2) / density(step.noise.local_ut.powi(2))).max(1.0)
+        let density = |local_ut2: f64| 2.0 * tuning.place_correlation_s * local_ut2 + self.mean.variance_ut2() * dt_s;
+        (density(self.followed_power_ut2) / density(noise.local_ut.powi(2))).max(1.0)
     }
 
     /// G^2, variance per axis of f in a place so uneven that it does not average out, uT^2.

@@ -14,7 +14,7 @@ use super::phase::Phase;
 use super::probation::Probation;
 use super::quarantine::Quarantine;
 use super::state::Filter;
-use super::step::Step;
+use super::step::FrameStep;
 use crate::reading::{Event, EventKind};
 
 impl Aided {
@@ -32,7 +32,7 @@ impl Aided {
     }
 
     /// One sample while the hypotheses run; the filter is as it was, predicted.
-    pub(super) fn run_trial(&mut self, step: &Step<'_>) {
+    pub(super) fn run_trial(&mut self, step: &FrameStep) {
         let Phase::Undecided(running, trial) = &mut self.phase else { return };
         match trial.step(step, running, self.former.as_ref(), &self.tuning) {
             Verdict::Device => return self.take_device(step.time_ns),

@@ -12,7 +12,7 @@
 use super::measure::{ALL_BUT_FIELD, Innovation, NONE};
 use super::running::Running;
 use super::state::{FIELD, Filter, HARD_IRON};
-use super::step::{SAMPLE_S, Step};
+use super::step::{FrameStep, SAMPLE_S};
 use super::tuning::Tuning;
 use super::watch::Former;
 use crate::estimator::answer::LEAST_TOLD_UT;
@@ -127,15 +127,15 @@ impl Trial {
     }
 
     /// The device turns.
-    pub(crate) fn turn(&mut self, step: &Step<'_>) {
-        self.device.propagate(step.increment_rad, step.dt_s, &step.noise);
-        self.place.propagate(step.increment_rad, step.dt_s, &step.noise);
+    pub(crate) fn turn(&mut self, step: &FrameStep) {
+        self.device.propagate(&step.increment_rad, step.dt_s, &step.noise);
+        self.place.propagate(&step.increment_rad, step.dt_s, &step.noise);
     }
 
     /// One sample; the filter is as it was, predicted to now.
     pub(super) fn step(
         &mut self,
-        step: &Step<'_>,
+        step: &FrameStep,
         running: &Running,
         former: Option<&Former>,
         tuning: &Tuning,
@@ -169,11 +169,11 @@ impl Trial {
     }
 
     /// Both hypotheses are tested by a sample, and learn from it where it fits them.
-    fn update(&mut self, step: &Step<'_>, tuning: &Tuning) {
+    fn update(&mut self, step: &FrameStep, tuning: &Tuning) {
         if let Some(variance) = step.bias_variance {
             // whatever has changed, at rest the rate is the bias
-            self.device.update_bias(step.rate_rad_s, variance);
-            self.place.update_bias(step.rate_rad_s, variance);
+            self.device.update_bias(&step.rate_rad_s, variance);
+            self.place.update_bias(&step.rate_rad_s, variance);
         }
         if step.resting {
             return;
@@ -224,7 +224,7 @@ impl Trial {
         if self.log_ratio < 0.0 { [place, device] } else { [device, place] }
     }
 
-    fn compare(&mut self, device: &Innovation, place: &Innovation, step: &Step<'_>, tuning: &Tuning) {
+    fn compare(&mut self, device: &Innovation, place: &Innovation, step: &FrameStep, tuning: &Tuning) {
         let log = |i: &Innovation| -0.5 * (i.nis.min(tuning.gate) + i.ln_det);
         let weight = (step.dt_s / SAMPLE_S) * f64::from(self.age_s >= tuning.ramp_s);
         self.log_ratio += weight * (log(device) - log(place));

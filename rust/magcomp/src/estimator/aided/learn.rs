@@ -14,7 +14,7 @@ use super::phase::Phase;
 use super::propagate::ProcessNoise;
 use super::running::Running;
 use super::state::{DELAY, FIELD, LOCAL};
-use super::step::Step;
+use super::step::{FrameStep, Step};
 use crate::estimator::answer::Answer;
 use crate::explanation::{InnovationTest, SampleUse};
 use crate::math::elementary::exp;
@@ -86,25 +86,26 @@ impl Aided {
         let Some(whole) = self.frame.add(&piece, running.lost_strength_ut.is_some()) else { return };
         let delayed_rad_s = self.recent.mean_rad_s(delay_s + whole.late_s).filter(|_| self.tuning.recent);
         let rate_rad_s = whole.increment_rad / whole.length_s;
-        // the frame in place of its last sample: of means
-        self.learn_whole(&Step {
-            raw_ut: &whole.raw_ut.unwrap_or_default(),
+        self.learn_frame(&FrameStep {
+            time_ns: step.time_ns,
+            raw_ut: whole.raw_ut.unwrap_or_default(),
             is_blank: whole.raw_ut.is_none(),
-            rate_rad_s: &rate_rad_s,
+            rate_rad_s,
             delayed_rad_s: delayed_rad_s.unwrap_or(rate_rad_s),
-            increment_rad: &whole.increment_rad,
+            increment_rad: whole.increment_rad,
             angle_rad: whole.increment_rad.norm(),
             dt_s: whole.length_s,
             noise: ProcessNoise { bridged_rad2: whole.bridged_rad2, ..step.noise },
             sigma_ut: self.adaptation.mean.sigma_ut(),
             late_s: whole.late_s,
+            resting: step.resting,
             bias_variance: step.bias_variance.map(|variance| variance * step.dt_s / whole.length_s),
-            ..*step
+            motion: step.motion,
         });
     }
 
     /// The filter's part of a frame: predict, test, then decide between hypotheses or absorb it.
-    fn learn_whole(&mut self, step: &Step<'_>) {
+    fn learn_frame(&mut self, step: &FrameStep) {
         let is_open = self.phase.trial().is_some();
         if self.probation.as_mut().is_some_and(|it| it.step(step, &self.tuning)) && !is_open {
             self.confirm(step.time_ns);
@@ -149,21 +150,21 @@ impl Aided {
     }
 
     /// What is known follows the device's turn.
-    fn predict(&mut self, step: &Step<'_>) {
+    fn predict(&mut self, step: &FrameStep) {
         self.judged = Some((SampleUse::Unused, None));
         let Some(running) = self.phase.running_mut() else { return };
         let filter = &mut running.filter;
         let x = filter.parts();
-        let turn = Turn::by(&-x.turned(step.increment_rad, step.dt_s));
-        filter.spread(&turn, step.increment_rad, step.dt_s, &step.noise);
-        let raw_ut = (!step.is_blank).then_some(step.raw_ut);
+        let turn = Turn::by(&-x.turned(&step.increment_rad, step.dt_s));
+        filter.spread(&turn, &step.increment_rad, step.dt_s, &step.noise);
+        let raw_ut = (!step.is_blank).then_some(&step.raw_ut);
         let memory_s = self.tuning.settled_s;
         self.adaptation.mean.step(raw_ut, &x, &turn.rotation, step.dt_s, memory_s, &self.tuning);
         self.quarantine.turn(step);
     }
 
     /// The innovation of a frame, and whether it is none that the filter expects. `None` where it cannot be formed.
-    fn test(&mut self, step: &Step<'_>, is_open: bool) -> Option<(Innovation, bool)> {
+    fn test(&mut self, step: &FrameStep, is_open: bool) -> Option<(Innovation, bool)> {
         let running = self.phase.running_mut()?;
         let filter = &mut running.filter;
         let innovation = filter.innovation(step, &self.tuning)?;
@@ -173,29 +174,30 @@ impl Aided {
         let is_gated =
             innovation.nis > self.tuning.gate || self.tuning.local_gate && local_ut.norm_squared() > most_ut2;
         let unexplained_ut = innovation.v + local_ut;
-        let former = self.former.as_ref().map(|f| f.residual(step.raw_ut, &filter.part(FIELD)));
+        let former = self.former.as_ref().map(|f| f.residual(&step.raw_ut, &filter.part(FIELD)));
         running.watch.step(step, is_gated.then_some(&unexplained_ut), former, is_open, &self.tuning);
         if !step.resting {
             self.bursts.pass(is_gated, step.dt_s, &self.tuning);
         }
         if let Some(variance) = step.bias_variance {
-            filter.update_bias(step.rate_rad_s, variance);
+            filter.update_bias(&step.rate_rad_s, variance);
         }
         Some((innovation, is_gated))
     }
 
     /// Corrects the filter by a frame that fits, and `up` and the noise levels by what that teaches.
-    fn absorb(&mut self, step: &Step<'_>, innovation: &Innovation) {
+    fn absorb(&mut self, step: &FrameStep, innovation: &Innovation) {
         let Phase::Running(Running { filter, .. }) = &mut self.phase else { return };
         let carried = filter.part(FIELD);
         filter.update(innovation, NONE);
         let corrected = filter.part(FIELD);
-        let field_ut2 = filter.variances(FIELD).sum() / 3.0 * self.adaptation.factor(step, &self.tuning)
+        let field_ut2 = filter.variances(FIELD).sum() / 3.0
+            * self.adaptation.factor(&step.noise, step.dt_s, &self.tuning)
             + self.adaptation.unaveraged_ut2(&self.tuning);
         let turn_rad = carried.cross(&corrected) / corrected.norm_squared();
         self.motion.follow(&turn_rad, field_ut2 / corrected.norm_squared(), &self.tuning);
         let x = filter.parts();
-        if let Some((_, still)) = x.corrected(step.raw_ut) {
+        if let Some((_, still)) = x.corrected(&step.raw_ut) {
             let late_rad = x.true_rate(&step.delayed_rad_s) * (x.delay + step.late_s);
             let c = Turn::by(&-late_rad).rotation * still;
             self.adaptation.add_difference(&(c - x.field), step.dt_s, &self.tuning);
@@ -203,7 +205,7 @@ impl Aided {
     }
 
     /// Where many samples of late were misfits what was learned last is taken back, and the hypotheses begin.
-    fn look_at_misfits(&mut self, step: &Step<'_>) {
+    fn look_at_misfits(&mut self, step: &FrameStep) {
         let Phase::Running(running) = &mut self.phase else { return };
         if running.watch.share > self.tuning.suspect_share {
             if let Some(probation) = self.probation.take() {

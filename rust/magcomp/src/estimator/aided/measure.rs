@@ -15,7 +15,7 @@ use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::state::{BIAS, DELAY, ELEMENT, FIELD, Filter, HARD_IRON, LOCAL, Parts, SOFT_IRON, STATES, covariance};
-use super::step::Step;
+use super::step::FrameStep;
 use super::tuning::Tuning;
 use crate::math::gaussian::Held;
 use crate::math::turn::Turn;
@@ -101,7 +101,7 @@ impl Filter {
     }
 
     /// The innovation of a sample; `None` when S has no Cholesky factor.
-    pub(crate) fn innovation(&self, step: &Step<'_>, tuning: &Tuning) -> Option<Innovation> {
+    pub(crate) fn innovation(&self, step: &FrameStep, tuning: &Tuning) -> Option<Innovation> {
         let (raw_ut, sigma_ut) = (step.raw_ut, step.sigma_ut);
         let model = Model::of(&self.parts(), &step.delayed_rad_s, step.late_s);
         let bilinear_ut2 = if tuning.second_order { self.second_order() } else { Vector3::zeros() };

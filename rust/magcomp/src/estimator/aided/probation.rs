@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 
 use super::running::Running;
 use super::state::{CALIBRATION, Filter, HARD_IRON};
-use super::step::Step;
+use super::step::FrameStep;
 use super::tuning::Tuning;
 use super::watch::Former;
 use crate::reading::Event;
@@ -42,10 +42,10 @@ impl Probation {
     }
 
     /// One frame; whether the change has held.
-    pub(super) fn step(&mut self, step: &Step<'_>, tuning: &Tuning) -> bool {
-        self.filter.propagate(step.increment_rad, step.dt_s, &step.noise);
+    pub(super) fn step(&mut self, step: &FrameStep, tuning: &Tuning) -> bool {
+        self.filter.propagate(&step.increment_rad, step.dt_s, &step.noise);
         if let Some(variance) = step.bias_variance {
-            self.filter.update_bias(step.rate_rad_s, variance);
+            self.filter.update_bias(&step.rate_rad_s, variance);
         }
         if !step.resting && !step.is_blank {
             self.age_s += step.dt_s;

@@ -66,7 +66,7 @@ impl Aided {
         // the accelerometer and the body of the phone may be off the magnetometer's axes as the gyroscope's are
         let frames = (Matrix3::identity() * f.norm_squared() - f * f.transpose()) * self.tuning.axes_sd.powi(2);
         // f is a long average: what the place does beyond the model widens P_mm by as much as its density is larger
-        let known = filter.own(FIELD) * self.adaptation.factor(step, &self.tuning);
+        let known = filter.own(FIELD) * self.adaptation.factor(&step.noise, step.dt_s, &self.tuning);
         let followed = Matrix3::identity() * self.adaptation.unaveraged_ut2(&self.tuning);
         [p_c, known + elsewhere + followed + frames + timing]
     }

@@ -10,7 +10,7 @@
 
 use super::propagate::ProcessNoise;
 use super::state::Filter;
-use super::step::Step;
+use super::step::FrameStep;
 use super::tuning::Tuning;
 use super::turned::Turned;
 use crate::math::elementary::exp;
@@ -32,9 +32,9 @@ pub(super) struct Quarantine {
 
 impl Quarantine {
     /// The device turned.
-    pub(super) fn turn(&mut self, step: &Step<'_>) {
+    pub(super) fn turn(&mut self, step: &FrameStep) {
         let way = &mut self.since;
-        way.turned.step(step.increment_rad, step.dt_s);
+        way.turned.step(&step.increment_rad, step.dt_s);
         way.turn_rad2 += step.noise.turn_rad2(step.dt_s);
         way.hard_iron_ut2 += step.noise.offset_ut.powi(2) * step.dt_s;
     }

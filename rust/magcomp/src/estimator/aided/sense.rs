@@ -49,7 +49,6 @@ impl Aided {
             delayed_rad_s: delayed_rad_s.unwrap_or(rotation.rate_rad_s),
             increment_rad: &rotation.increment_rad,
             turn,
-            angle_rad: turned_rad.norm(),
             dt_s,
             noise: self.process_noise(rotation),
             sigma_ut: self.adaptation.sample.sigma_ut(),

@@ -10,7 +10,7 @@ use crate::math::elementary::gain;
 use nalgebra::Vector3;
 
 use super::state::{CALIBRATION, Filter, HARD_IRON, HARD_IRON_ALONE, SOFT_IRON_ALONE};
-use super::step::Step;
+use super::step::FrameStep;
 use super::tuning::Tuning;
 use crate::calibration::iron_rows;
 use crate::math::gaussian::Gaussian;
@@ -60,7 +60,7 @@ impl Watch {
     /// One sample: its innovation if it was gated, and the residual of the former calibration.
     pub(crate) fn step(
         &mut self,
-        step: &Step<'_>,
+        step: &FrameStep,
         gated: Option<&Vector3<f64>>,
         former: Option<Vector3<f64>>,
         clearing: bool,

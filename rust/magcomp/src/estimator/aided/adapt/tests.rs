@@ -12,10 +12,9 @@ fn close(found: f64, expected: f64) -> bool {
     (found - expected).abs() < 1e-12 * expected.abs().max(1.0)
 }
 
-/// A sample of which only interval and local field matter.
-fn step(local_ut: f64) -> Step<'static> {
-    let it = Step::of_nothing(DT_S);
-    Step { noise: ProcessNoise { local_ut, ..it.noise }, ..it }
+/// Noise of which only the local field matters.
+fn noise(local_ut: f64) -> ProcessNoise {
+    ProcessNoise { bridged_rad2: 0.0, offset_ut: 0.0, local_ut, local_time_s: 1.0 }
 }
 
 #[test]
@@ -26,7 +25,7 @@ fn samples_and_means_of_frames_are_learned_apart() {
     let one = Matrix3::identity();
     for k in 0..2 {
         adaptation.sample.step(Some(&Vector3::repeat(f64::from(k))), &x, &one, DT_S, tuning.memory_s, &tuning);
-        adaptation.mean.step(Some(step(0.0).raw_ut), &x, &one, DT_S, tuning.settled_s, &tuning);
+        adaptation.mean.step(Some(&NOTHING), &x, &one, DT_S, tuning.settled_s, &tuning);
     }
     let start = tuning.noise_start_ut.powi(2);
     // |(1, 1, 1)|^2 / 6; the means are all zero
@@ -62,8 +61,8 @@ fn a_steady_unevenness_is_seen_in_full() {
     // the densities' ratio, where the filter expects 0.5 uT, and 20
     let density = |local_ut2: f64| 2.0 * tuning.place_correlation_s * local_ut2 + 0.25 * DT_S;
     let expected = density(uneven_ut2) / density(0.25);
-    assert!((adaptation.factor(&step(0.5), &tuning) / expected - 1.0).abs() < 1e-6);
-    assert_eq!(adaptation.factor(&step(20.0), &tuning), 1.0);
+    assert!((adaptation.factor(&noise(0.5), DT_S, &tuning) / expected - 1.0).abs() < 1e-6);
+    assert_eq!(adaptation.factor(&noise(20.0), DT_S, &tuning), 1.0);
     // what was followed fades by e in five seconds, while nothing is uneven
     let before = adaptation.followed_power_ut2;
     let mut faded = adaptation.clone();

@@ -8,35 +8,17 @@ use super::super::propagate::ProcessNoise;
 use super::super::quarantine::Quarantine;
 use super::super::recent::Recent;
 use super::super::state::{BIAS, FIELD, Filter, HARD_IRON};
-use super::super::step::Step;
+use super::super::step::FrameStep;
 use super::super::{Aided, Tuning};
 use super::simulator::World;
-use crate::math::turn::Turn;
 use crate::reading::EventKind;
 
 const DT_S: f64 = 0.01;
 const NOISE: ProcessNoise = ProcessNoise { bridged_rad2: 1e-8, offset_ut: 0.3, local_ut: 1.0, local_time_s: 1.0 };
 
-/// A step of the gyroscope; what a quarantine does not look at is zero.
-fn step<'a>(increment_rad: &'a Vector3<f64>) -> Step<'a> {
-    Step {
-        bias_sd_rad_s: 0.0,
-        late_s: 0.0,
-        time_ns: 0,
-        raw_ut: increment_rad,
-        is_blank: false,
-        rate_rad_s: increment_rad,
-        delayed_rad_s: Vector3::zeros(),
-        increment_rad,
-        turn: Turn::by(&-increment_rad).rotation,
-        angle_rad: increment_rad.norm(),
-        dt_s: DT_S,
-        noise: NOISE,
-        sigma_ut: 0.5,
-        resting: false,
-        bias_variance: None,
-        motion: 1.0,
-    }
+/// A turn by the gyroscope; what a quarantine does not look at is zero.
+fn step(increment_rad: &Vector3<f64>) -> FrameStep {
+    FrameStep { increment_rad: *increment_rad, noise: NOISE, ..FrameStep::of_nothing(DT_S) }
 }
 
 fn settled(seed: u64) -> (World, Aided) {

@@ -5,9 +5,9 @@ use nalgebra::Matrix3;
 
 const DT_S: f64 = 0.02;
 
-/// A sample `k` intervals after the first; what a watch does not look at is zero.
-fn step(k: i64) -> Step<'static> {
-    Step { time_ns: 1_000_000_000 + 20_000_000 * k, ..Step::of_nothing(DT_S) }
+/// A frame `k` intervals after the first; what a watch does not look at is zero.
+fn step(k: i64) -> FrameStep {
+    FrameStep { time_ns: 1_000_000_000 + 20_000_000 * k, ..FrameStep::of_nothing(DT_S) }
 }
 
 /// Of values, oldest first, that a low-pass of `time_s` has taken after `first`.
