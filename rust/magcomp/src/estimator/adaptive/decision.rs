@@ -5,11 +5,28 @@ use super::filter::{Filter, Kind};
 use super::parameters::{Tau, beyond_earth, centre};
 use super::tuning::Tuning;
 use crate::estimator::answer::LEAST_TOLD_UT;
-use crate::priors::RARE;
+use crate::priors::{RARE, SETTLED_S};
 use crate::reading::{Event, EventKind, ModelOrder};
 use crate::sample::seconds;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField as _;
+use nalgebra::Vector3;
+
+/// The latest change of the device: when it began, or the slide that it is part of; when it was decided; and how b moved, units.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+struct Moved {
+    since_ns: i64,
+    decided_ns: i64,
+    by: Vector3<f64>,
+}
+
+impl Moved {
+    /// Whether a change that began then is part of it, or goes on with it.
+    fn has(&self, onset_ns: i64, by: &Vector3<f64>, tuning: &Tuning) -> bool {
+        seconds(self.since_ns, onset_ns) < tuning.change_s
+            || seconds(self.decided_ns, onset_ns) < SETTLED_S && self.by.dot(by) > 0.0
+    }
+}
 
 /// The latest decision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -21,6 +38,7 @@ pub(super) struct Decision {
     /// The place is not as usual, since.
     pub elsewhere: Option<i64>,
     told_place: Option<i64>,
+    moved: Option<Moved>,
     pub suspected_ns: Option<i64>,
     pub order: ModelOrder,
     pub event: Option<Event>,
@@ -59,7 +77,7 @@ impl Decision {
         {
             self.take(best);
             self.order = if best.kind == Kind::Former { ModelOrder::Former } else { ModelOrder::All };
-            self.tell_device(best, moved(&best.now.tau()), time_ns, tuning);
+            self.tell_device(best, centre(&best.now.tau()) - centre(&before), least, time_ns, tuning);
         }
     }
 
@@ -89,15 +107,17 @@ impl Decision {
         }
     }
 
-    /// A change of the device is told where b moved, unless it is part of the one that was told last.
-    fn tell_device(&mut self, best: &Filter, moved: bool, time_ns: i64, tuning: &Tuning) {
-        let is_told = |told: Event| {
-            (best.onset_ns.saturating_sub(told.since_ns) as f64) < tuning.change_s * 1e9
-                && told.kind != EventKind::PlaceChanged
-        };
-        if moved && !self.event.is_some_and(is_told) {
+    /// A change of the device is told where b moved, unless it goes on with the one before: a slide is told once.
+    fn tell_device(&mut self, best: &Filter, by: Vector3<f64>, least: f64, decided_ns: i64, tuning: &Tuning) {
+        if by.norm() <= least {
+            return;
+        }
+        let before = self.moved.filter(|before| before.has(best.onset_ns, &by, tuning));
+        let since_ns = before.map_or(best.onset_ns, |before| before.since_ns);
+        self.moved = Some(Moved { since_ns, decided_ns, by });
+        if before.is_none() {
             let kind = if best.kind == Kind::Former { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
-            self.event = Some(Event { kind, since_ns: best.onset_ns, decided_ns: time_ns });
+            self.event = Some(Event { kind, since_ns, decided_ns });
         }
     }
 

@@ -137,7 +137,8 @@ fn what_follows_a_change_within_two_seconds_is_the_same_change() {
     let first = reviewed(settled(), &bank([turned(hypothesis(Kind::Device, 2, begun_ns, 9.0, 0.0), 1.0)]));
     for (since_s, is_told) in [(0.99 * change_s, false), (1.01 * change_s, true)] {
         let next_ns = begun_ns + s(since_s);
-        let next = turned(hypothesis(Kind::Device, 3, next_ns, 40.0, 0.0), 1.0);
+        // the other way, or it would go on with it
+        let next = turned(hypothesis(Kind::Device, 3, next_ns, -40.0, 0.0), 1.0);
         let found = reviewed(first, &bank([next]));
         assert_eq!(found.id, 3);
         assert_eq!(found.event.unwrap().since_ns, if is_told { next_ns } else { begun_ns }, "{since_s} s");
@@ -217,4 +218,26 @@ fn a_frame_that_is_no_noise_is_suspected_now() {
     let mut it = hypothesis(Kind::Device, 1, 0, 0.0, 0.0);
     it.now.odd = 1;
     assert_eq!(reviewed(settled(), &bank([it])).suspected_ns, Some(NOW_NS));
+}
+
+/// b at 0, then at 9 uT, then at another: when it began after the decision on the one before, where b is, and whether it is a change of its own.
+#[test]
+fn a_slide_is_told_once_and_a_change_the_other_way_is_another() {
+    let step = |id, onset_ns, b_ut| turned(hypothesis(Kind::Device, id, onset_ns, b_ut, 9.0), 1.0);
+    let begun_ns = NOW_NS - s(10.0);
+    let first = reviewed(settled(), &bank([step(2, begun_ns, 9.0)]));
+    for (after_s, b_ut, is_another) in [
+        (0.99 * SETTLED_S, 18.0, false),
+        (1.01 * SETTLED_S, 18.0, true),
+        (0.99 * SETTLED_S, -9.0, true),
+        // so soon after its beginning it is the same, whichever way
+        (0.99 * Tuning::USED.change_s - 10.0, -9.0, false),
+    ] {
+        let onset_ns = NOW_NS + s(after_s);
+        let mut then = first;
+        then.review(&bank([step(3, onset_ns, b_ut)]), onset_ns + s(3.0), UNIT_UT, &Tuning::USED);
+        let told = Event { kind: EventKind::DeviceStep, since_ns: onset_ns, decided_ns: onset_ns + s(3.0) };
+        assert_eq!(then.event, if is_another { Some(told) } else { first.event }, "{after_s} s, {b_ut} uT");
+        assert_eq!(then.id, 3);
+    }
 }
