@@ -104,7 +104,7 @@ impl Verdict {
             }
         }
         warnings.iter().for_each(|warning| heading.add(Grade::Doubtful, warning.clone(), ""));
-        add_heading(&mut heading, judgement);
+        add_heading(&mut heading, judgement, &conventions);
         let (place, place_why) = place_of(judgement, &mut heading.notes);
         let told = told_heading(judgement);
         heading.finish(told, place, place_why)
@@ -166,7 +166,7 @@ fn told_heading(judgement: &Judgement) -> String {
     }
 }
 
-fn add_heading(found: &mut Found, judgement: &Judgement) {
+fn add_heading(found: &mut Found, judgement: &Judgement, conventions: &Conventions) {
     let known = &judgement.known;
     let Some(two_sigma_deg) = known.two_sigma_deg else {
         // the sentence says why
@@ -195,6 +195,15 @@ fn add_heading(found: &mut Found, judgement: &Judgement) {
             found.add(grade, text, AGAIN);
         }
     }
+    if let Some(how) = conventions.askew_untested().filter(|_| !has_north_from_outside(judgement)) {
+        let text = "the recording does not tell whether the magnetometer sits askew, which would turn each heading by as much";
+        found.add(Grade::Doubtful, text.to_owned(), how);
+    }
+}
+
+/// Where courses are used, or the reference's north agrees, an askew magnetometer shows.
+fn has_north_from_outside(judgement: &Judgement) -> bool {
+    judgement.courses_used > 0 || judgement.absolute_heading.rms_deg.is_some_and(|rms_deg| rms_deg < HEADING_DEG[0])
 }
 
 /// The place by the corrected field: how far its strength and dip spread, and what they are.

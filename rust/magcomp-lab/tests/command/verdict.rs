@@ -95,6 +95,29 @@ fn a_device_that_was_hardly_turned_has_no_good_verdict() {
     assert!(turned_deg < 120.0, "{turned_deg}");
 }
 
+/// A magnetometer that is turned in the device by 18 degrees turns every heading by as much. Where the motion can't show it, the verdict is not
+/// good, and says what would.
+#[test]
+fn a_turned_magnetometer_that_the_motion_hides_is_not_good() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("look.csv");
+    assert_eq!(run(&["simulate", text(&path), "--seconds", "120", "--motion", "look", "--seed", "12"]).0, 0);
+    let lead = |path: &std::path::Path, options: &[&str]| {
+        let (_, json, error) = run(&[&["replay", text(path), "--json"], options].concat());
+        let told: serde_json::Value = serde_json::from_str(&json).unwrap_or_else(|_| panic!("{error}"));
+        (told["verdict"]["grade"].as_str().unwrap().to_owned(), told["verdict"]["next"].to_string())
+    };
+    // the reference's own north proves it
+    assert_eq!(lead(&path, &[]).0, "good");
+    let sensors = |line: &str| line.split(',').take(10).collect::<Vec<_>>().join(",") + "\n";
+    let input = fs::read_to_string(&path).unwrap();
+    fs::write(&path, input.lines().map(sensors).collect::<String>()).unwrap();
+    for deg in ["18", "-18", "0"] {
+        let (grade, next) = lead(&path, &["--frame", &format!("m=x,y,z,{deg}")]);
+        assert!(grade == "doubtful" && next.contains("tilt the device by 45 degrees"), "{deg}: {grade} {next}");
+    }
+}
+
 /// What the axis of the heading is, is known to the remark about it.
 #[test]
 fn no_remark_names_the_option_that_was_given() {

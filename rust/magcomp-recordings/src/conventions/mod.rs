@@ -16,6 +16,7 @@ use finding::Add;
 pub use finding::Weight;
 use magcomp::nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use serde::Serialize;
+use tested::{SIGN, Seen};
 pub use tested::{Answer, Tested};
 use windows::{Event, Series, Turns, fit, median, windows};
 
@@ -179,101 +180,6 @@ pub fn check(streams: &Streams<'_>) -> Conventions {
     let seen = Seen { has_clock, field: field_fits, gravity, askew, angle };
     found.tested = seen.tested(&found, streams);
     found
-}
-
-/// The question of the accelerometer's sign.
-const SIGN: &str = "sign of the accelerometer";
-
-/// What the questions are answered by.
-struct Seen<'a> {
-    has_clock: bool,
-    field: Option<&'a Fits>,
-    gravity: Option<&'a Fits>,
-    askew: Option<Askew>,
-    angle: Option<Angle>,
-}
-
-impl Seen<'_> {
-    fn tested(&self, found: &Conventions, streams: &Streams<'_>) -> Vec<Tested> {
-        let has = |kinds: &[&str]| found.findings.iter().any(|finding| kinds.contains(&finding.kind));
-        let [no_field, no_up, no_rate] =
-            [streams.field, streams.up, streams.rate].map(|events| events.len() < samples::FEWEST);
-        let turn = "turn the device about each of its axes, half a turn and back, for 20 s";
-        let needs = |missing: bool, sensor: &str, otherwise: &str| {
-            if missing { format!("record the {sensor} too") } else { otherwise.to_owned() }
-        };
-        let both = |missing: bool, other: &str| {
-            if no_rate { needs(true, "gyroscope", turn) } else { needs(missing, other, turn) }
-        };
-        let question = |what, kinds: &[&str], is_sound: bool, by: &str, would: &str| {
-            Tested::of(what, has(kinds), is_sound, by, would)
-        };
-        let proven = |fits: Option<&Fits>| fits.is_some_and(Fits::is_proven);
-        let is_level = found.dip_deg.is_some_and(|dip_deg| dip_deg.abs() > LEAST_DIP_DEG);
-        let askew = match self.askew {
-            Some(askew) if askew.is_known() => format!("by its turns: within {:.0} deg", askew.within_deg()),
-            _ => "by its turns".to_owned(),
-        };
-        vec![
-            question("unit of the field", &["field_unit"], found.radius_ut.is_some(), "by its size", turn),
-            question(
-                "axes of the magnetometer",
-                &["field_axes"],
-                proven(self.field),
-                "by its turns against the gyroscope's",
-                &both(no_field, "magnetometer"),
-            ),
-            question(
-                "magnetometer askew in the device",
-                &["field_askew"],
-                self.askew.is_some_and(|askew| askew.is_known()) && proven(self.field),
-                &askew,
-                &needs(no_rate, "gyroscope", "tilt the device by 45 degrees and more while you turn"),
-            ),
-            question(
-                "unit and axes of the gyroscope",
-                &["gyroscope_unit", "gyroscope_axes"],
-                proven(self.gravity) || proven(self.field),
-                "by the turns of gravity and field",
-                &both(no_up, "accelerometer"),
-            ),
-            question(
-                "axes of the accelerometer",
-                &["accelerometer_axes", "dip_axes"],
-                proven(self.gravity) || self.angle == Some(Angle::Same),
-                "by gravity's turns, and by its angle to the field",
-                &needs(no_up, "accelerometer", turn),
-            ),
-            question(
-                SIGN,
-                &["accelerometer_sign"],
-                is_level && !has(&["dip_sign"]),
-                "by the dip, north of the magnetic equator",
-                &needs(no_up, "accelerometer", "--place LAT,LON, and a turn about each axis"),
-            ),
-            question(
-                "clocks",
-                &["clock"],
-                self.has_clock && !(no_up && no_rate),
-                "the sensors' times overlap",
-                "record gyroscope and accelerometer too",
-            ),
-            question(
-                "delay of the field",
-                &["field_delay"],
-                found.field_delay_s.is_some(),
-                "by its turns against the gyroscope's",
-                &both(no_field, "magnetometer"),
-            ),
-            question(
-                "samples",
-                &["dead_axis", "no_numbers", "two_kinds", "field_interpolated", "rate_low"],
-                !no_field,
-                "numbers, rates and steps of each sensor",
-                "record for a second and more",
-            ),
-        ]
-    }
 }
 
 /// Units and axes of gyroscope, field and gravity. One that stands alone against the other two is the guilty one.
