@@ -106,6 +106,10 @@ impl Verdict {
         warnings.iter().for_each(|warning| heading.add(Grade::Doubtful, warning.clone(), ""));
         add_heading(&mut heading, judgement, &conventions);
         let (place, place_why) = place_of(judgement, &mut heading.notes);
+        // what the corrected field does there is not what the estimator reckons with
+        if place == Place::Magnetic && heading.grade == Grade::Good {
+            heading.add(Grade::Doubtful, "beside magnets or steel it may be wrong by more".to_owned(), AGAIN);
+        }
         let told = told_heading(judgement);
         heading.finish(told, place, place_why)
     }
@@ -196,7 +200,8 @@ fn add_heading(found: &mut Found, judgement: &Judgement, conventions: &Conventio
         }
     }
     if let Some(how) = conventions.askew_untested().filter(|_| !has_north_from_outside(judgement)) {
-        let text = "the recording does not tell whether the magnetometer sits askew, which would turn each heading by as much";
+        let text =
+            "the recording does not tell whether the magnetometer sits askew, which would turn each heading by as much";
         found.add(Grade::Doubtful, text.to_owned(), how);
     }
 }

@@ -61,6 +61,15 @@ fn courses_of_fixes_become_columns() {
     let out = elsewhere.path().join("out.csv");
     let (code, told, _) = crate::run(&["import", folder.path().to_str().unwrap(), "--output", out.to_str().unwrap()]);
     assert!(code == 0 && told.contains("2 of 3 fixes have no course"), "{code}: {told}");
+    let (code, told, _) = crate::run(&["replay", folder.path().to_str().unwrap()]);
+    assert!(code == 0 && told.contains("2 of 3 fixes have no course"), "{code}: {told}");
+    // a file without directions, and a fix whose time is on another clock
+    let folder = self::folder(&[
+        ("MagnetometerUncalibrated.csv", RAW),
+        ("Location.csv", "time,seconds_elapsed,latitude\n5,0.005,52\n6,0.006,52\n"),
+    ]);
+    let (_, told, _) = crate::run(&["import", folder.path().to_str().unwrap(), "--output", out.to_str().unwrap()]);
+    assert!(told.contains("2 of 2 fixes have no course"), "{told}");
 
     let log = "# Fix,Provider,LatitudeDegrees,...\nUncalMag,1700000000000,1000000,200,30,-400,0,0,0\n\
                Fix,GPS,52.5,13.4,40,12.0,3.0,271.5,1700000000001,0.3,4.5,1500000,2.0,0\n\
@@ -69,6 +78,9 @@ fn courses_of_fixes_become_columns() {
     let text = imported(&[folder.path()], &[]);
     assert!(text.lines().any(|line| line.starts_with("0.001500000,,,") && line.ends_with(",271.5,4.5")), "{text}");
     assert_eq!(text.lines().count(), 4, "{text}");
+    let late = self::folder(&[("gnss_log.txt", &log.replace(",1500000,2.0,0", ",,2.0,0"))]);
+    let (_, told, _) = crate::run(&["import", late.path().to_str().unwrap(), "--output", out.to_str().unwrap()]);
+    assert!(told.contains("2 of 2 fixes have no course"), "{told}");
 }
 
 #[test]

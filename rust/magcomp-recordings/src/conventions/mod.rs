@@ -16,8 +16,8 @@ use finding::Add;
 pub use finding::Weight;
 use magcomp::nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use serde::Serialize;
-use tested::{SIGN, Seen};
 pub use tested::{Answer, Tested};
+use tested::{SIGN, Seen};
 use windows::{Event, Series, Turns, fit, median, windows};
 
 /// Seconds of a window of the field, and of gravity, whose ends are averaged over as long.

@@ -43,8 +43,9 @@ fn check_dead(name: &str, columns: &str, least_range: f64, series: &Series, add:
         3 => format!("the {name} says the same throughout: is its sensor off? leave {columns} out"),
         _ if alive.iter().map(range).fold(0.0, f64::max) < least_range => return,
         _ => format!(
-            "the {name}'s {} never changes: is it in the file under another name ({columns})?",
-            axes.join(" and ")
+            "the {name}'s {} never {}: is it in the file under another name ({columns})?",
+            axes.join(" and "),
+            if dead.len() == 1 { "changes" } else { "change" }
         ),
     };
     let weight = if name == "magnetometer" && dead.len() < 3 { Weight::Fault } else { Weight::Doubt };

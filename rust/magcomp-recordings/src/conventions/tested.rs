@@ -69,8 +69,7 @@ pub(super) struct Seen<'a> {
 impl Seen<'_> {
     pub fn tested(&self, found: &Conventions, streams: &Streams<'_>) -> Vec<Tested> {
         let has = |kinds: &[&str]| found.findings.iter().any(|finding| kinds.contains(&finding.kind));
-        let [no_field, no_up, no_rate] =
-            [streams.field, streams.up, streams.rate].map(|events| events.len() < FEWEST);
+        let [no_field, no_up, no_rate] = [streams.field, streams.up, streams.rate].map(|events| events.len() < FEWEST);
         let turn = "turn the device about each of its axes, half a turn and back, for 20 s";
         let needs = |missing: bool, sensor: &str, otherwise: &str| {
             if missing { format!("record the {sensor} too") } else { otherwise.to_owned() }

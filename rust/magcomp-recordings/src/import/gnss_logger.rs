@@ -47,11 +47,12 @@ pub(super) fn read(documents: &[Document]) -> Result<Session, RecordingError> {
             let kind = cells.text(0);
             if kind == "Fix" {
                 let known = |column: usize| cells.number(column).unwrap_or(f64::NAN);
-                let found = course(known(FIX_BEARING), known(FIX_ACCURACY), known(FIX_SPEED));
+                // an older log has no time of the sensors' clock in its fixes
+                let time_ns = cells.time_ns(FIX_TIME, 1).ok();
+                let found = course(known(FIX_BEARING), known(FIX_ACCURACY), known(FIX_SPEED)).zip(time_ns);
                 session.without_course += usize::from(found.is_none());
                 session.stand_at(known(FIX_PLACE[0]), known(FIX_PLACE[1]), known(FIX_PLACE[2]));
-                // an older log has no time of the sensors' clock in its fixes
-                if let (Some(course), Ok(time_ns)) = (found, cells.time_ns(FIX_TIME, 1)) {
+                if let Some((course, time_ns)) = found {
                     session.course.add(time_ns, course, || [cells.place(FIX_TIME), cells.place(FIX_BEARING)])?;
                 }
                 return Ok(());

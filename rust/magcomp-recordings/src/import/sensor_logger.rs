@@ -100,13 +100,17 @@ pub(super) fn read(documents: &[Document], units: &Units) -> Result<Session, Rec
     Ok(session)
 }
 
-/// The courses of a Location.csv, and how many fixes have none; none of either where it has no bearing or no speed.
+/// The courses of a Location.csv, and how many fixes have none: all of them where it has no bearing or no speed.
 fn courses(document: &Document) -> Result<(Stream<Course>, usize), RecordingError> {
     let (sheet, mut courses, mut without) = (Sheet::new(document), Stream::default(), 0);
     let (Some(time), Some(bearing), Some(speed)) =
         (sheet.column("time"), sheet.column("bearing"), sheet.column("speed"))
     else {
-        return Ok((courses, 0));
+        sheet.rows(|_| {
+            without += 1;
+            Ok(())
+        })?;
+        return Ok((courses, without));
     };
     let accuracy = sheet.column("bearingAccuracy");
     sheet.rows(|cells| {

@@ -160,7 +160,7 @@ impl Session {
         let (without, all) = (self.without_course, self.without_course + self.course.events.len());
         if without > 0 {
             self.notes.push(format!(
-                "{without} of {all} fixes have no course: they tell no direction, or a speed of less than {LEAST_M_S} m/s"
+                "{without} of {all} fixes have no course: they tell no direction, no time of the sensors' clock, or a speed of less than {LEAST_M_S} m/s"
             ));
         }
     }
