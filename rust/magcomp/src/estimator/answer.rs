@@ -1,14 +1,31 @@
 //! What an estimator says of a sample. It is finished: the compensator adds heading and attitude, and changes nothing.
 
 use crate::calibration::{Calibration, Given, independent};
-use crate::priors::{DAYS_UT, IRON_PER_UT};
+use crate::priors::{DAYS_UT, IRON_PER_UT, SETTLED_S};
 use crate::reading::{Event, ModelOrder, SensorMode};
+use crate::sample::seconds;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// A change of the device that moves b by less is no event, uT: from day to day b moves as far.
 pub(crate) const LEAST_TOLD_UT: f64 = 2.0 * DAYS_UT;
+
+/// The latest change of the device that was told, or that went on with one: since when it is told, when it was decided, and how b moved, in the
+/// estimator's units.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub(crate) struct Told {
+    pub since_ns: i64,
+    pub decided_ns: i64,
+    pub moved: Vector3<f64>,
+}
+
+impl Told {
+    /// Whether a change from `onset_ns` on, by which b moved so, goes on with this one: a magnet that slides on is one change, told once.
+    pub fn goes_on(&self, onset_ns: i64, moved: &Vector3<f64>) -> bool {
+        seconds(self.decided_ns, onset_ns) < SETTLED_S && self.moved.dot(moved) > 0.0
+    }
+}
 
 /// What an estimator says of one sample, before a heading is formed from it.
 #[derive(Default)]

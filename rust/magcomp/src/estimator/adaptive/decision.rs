@@ -4,29 +4,13 @@ use super::bank::Bank;
 use super::filter::{Filter, Kind};
 use super::parameters::{Tau, beyond_earth, centre};
 use super::tuning::Tuning;
-use crate::estimator::answer::LEAST_TOLD_UT;
-use crate::priors::{RARE, SETTLED_S};
+use crate::estimator::answer::{LEAST_TOLD_UT, Told};
+use crate::priors::RARE;
 use crate::reading::{Event, EventKind, ModelOrder};
 use crate::sample::seconds;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField as _;
 use nalgebra::Vector3;
-
-/// The latest change of the device: when it began, or the slide that it is part of; when it was decided; and how b moved, units.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-struct Moved {
-    since_ns: i64,
-    decided_ns: i64,
-    by: Vector3<f64>,
-}
-
-impl Moved {
-    /// Whether a change that began then is part of it, or goes on with it.
-    fn has(&self, onset_ns: i64, by: &Vector3<f64>, tuning: &Tuning) -> bool {
-        seconds(self.since_ns, onset_ns) < tuning.change_s
-            || seconds(self.decided_ns, onset_ns) < SETTLED_S && self.by.dot(by) > 0.0
-    }
-}
 
 /// The latest decision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -38,7 +22,7 @@ pub(super) struct Decision {
     /// The place is not as usual, since.
     pub elsewhere: Option<i64>,
     told_place: Option<i64>,
-    moved: Option<Moved>,
+    moved: Option<Told>,
     pub suspected_ns: Option<i64>,
     pub order: ModelOrder,
     pub event: Option<Event>,
@@ -108,13 +92,15 @@ impl Decision {
     }
 
     /// A change of the device is told where b moved, unless it goes on with the one before: a slide is told once.
-    fn tell_device(&mut self, best: &Filter, by: Vector3<f64>, least: f64, decided_ns: i64, tuning: &Tuning) {
-        if by.norm() <= least {
+    fn tell_device(&mut self, best: &Filter, moved: Vector3<f64>, least: f64, decided_ns: i64, tuning: &Tuning) {
+        if moved.norm() <= least {
             return;
         }
-        let before = self.moved.filter(|before| before.has(best.onset_ns, &by, tuning));
-        let since_ns = before.map_or(best.onset_ns, |before| before.since_ns);
-        self.moved = Some(Moved { since_ns, decided_ns, by });
+        let onset_ns = best.onset_ns;
+        let is_of = |it: &Told| seconds(it.since_ns, onset_ns) < tuning.change_s || it.goes_on(onset_ns, &moved);
+        let before = self.moved.filter(is_of);
+        let since_ns = before.map_or(onset_ns, |before| before.since_ns);
+        self.moved = Some(Told { since_ns, decided_ns, moved });
         if before.is_none() {
             let kind = if best.kind == Kind::Former { EventKind::DeviceStepBack } else { EventKind::DeviceStep };
             self.event = Some(Event { kind, since_ns, decided_ns });

@@ -101,7 +101,7 @@ impl Aided {
         let Some(probation) = self.probation.take() else { return };
         self.bursts.was_the_device();
         let Some(now) = self.phase.running().map(|it| &it.filter) else { return };
-        if let Some((told, event)) = probation.held(now, self.told, time_ns, &self.tuning) {
+        if let Some((told, event)) = probation.held(now, self.told, time_ns) {
             self.told = Some(told);
             self.event = event.or(self.event);
             self.former = self.tuning.recall.then(|| probation.former());

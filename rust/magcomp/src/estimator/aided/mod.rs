@@ -42,7 +42,7 @@ use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use crate::calibration::Calibration;
-use crate::estimator::answer::{Answer, Carry};
+use crate::estimator::answer::{Answer, Carry, Told};
 use crate::explanation::{InnovationTest, SampleUse};
 use crate::math::gaussian::Gaussian;
 use crate::math::symmetric::six;
@@ -55,7 +55,7 @@ use earth::Earth;
 use first_fit::FirstFit;
 use motion::Motion;
 use phase::Phase;
-use probation::{Probation, Told};
+use probation::Probation;
 use quarantine::Quarantine;
 use recent::Recent;
 use state::{BIAS, CALIBRATION, DELAY, FIELD, FIELD_AND_CALIBRATION, Filter, HARD_IRON};
@@ -211,10 +211,12 @@ impl Aided {
                     answer.filtered_covariance_ut2.map_or(0.0, |p| p.trace() * self.scale(filter).powi(2));
                 filter.variances(BIAS).max() * (published_ut2 / filter.variances(FIELD).sum()).max(1.0)
             });
+            let without_field =
+                || self.motion.tilt_rad2(self.motion.common_rad2(f64::INFINITY, &self.tuning), &self.tuning);
             answer.carry = Some(Carry {
                 turn: step.turn,
                 up: self.motion.up,
-                tilt_rad2: answer.tilt_rad2.unwrap_or_else(|| self.motion.tilt_rad2(f64::INFINITY, &self.tuning)),
+                tilt_rad2: answer.tilt_rad2.unwrap_or_else(without_field),
                 bias_rad2_s2,
                 is_bias_told: self.phase.known().is_some(),
                 span_s: dt_s,

@@ -159,10 +159,10 @@ impl Motion {
         tuning.common_share * self.drawn_rad2 / (1.0 + self.drawn_rad2 / field_rad2)
     }
 
-    /// sigma_tilt^2, for the same, rad^2.
-    pub(crate) fn tilt_rad2(&self, field_rad2: f64, tuning: &Tuning) -> f64 {
+    /// sigma_tilt^2, for C, rad^2.
+    pub(crate) fn tilt_rad2(&self, common_rad2: f64, tuning: &Tuning) -> f64 {
         let share = if tuning.follow { tuning.common_share } else { 0.0 };
-        self.drawn_rad2 * (1.0 - share) + self.common_rad2(field_rad2, tuning) + self.lasting_rad2
+        self.drawn_rad2 * (1.0 - share) + common_rad2 + self.lasting_rad2
     }
 
     /// The gyroscope is gone: nothing is known about motion; `up` is the accelerometer's.

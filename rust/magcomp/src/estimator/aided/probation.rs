@@ -8,15 +8,13 @@
 //! ```
 //! Source: docs/dev/METHOD-AIDED.md, Changes.
 
-use nalgebra::Vector3;
-
 use super::running::Running;
 use super::state::{CALIBRATION, Filter, HARD_IRON};
 use super::step::FrameStep;
 use super::tuning::Tuning;
 use super::watch::Former;
+use crate::estimator::answer::Told;
 use crate::reading::Event;
-use crate::sample::seconds;
 
 /// The filter as it was before the change, to go back to, and what is told if it holds.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -27,13 +25,6 @@ pub(super) struct Probation {
     has_earth: bool,
     /// Seconds of motion.
     age_s: f64,
-}
-
-/// The latest change of the device that was told: when, and how b moved.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub(super) struct Told {
-    time_ns: i64,
-    moved_ut: Vector3<f64>,
 }
 
 impl Probation {
@@ -61,20 +52,13 @@ impl Probation {
     }
 
     /// It has held: how b moved, and the event, if it is worth one and does not go on with the change that was told before.
-    pub(super) fn held(
-        &self,
-        now: &Filter,
-        before: Option<Told>,
-        time_ns: i64,
-        tuning: &Tuning,
-    ) -> Option<(Told, Option<Event>)> {
+    pub(super) fn held(&self, now: &Filter, before: Option<Told>, decided_ns: i64) -> Option<(Told, Option<Event>)> {
         let event = self.event?;
-        let moved_ut = now.part(HARD_IRON) - self.filter.part(HARD_IRON);
-        let goes_on = before.is_some_and(|told| {
-            seconds(told.time_ns, event.since_ns) < tuning.settled_s && told.moved_ut.dot(&moved_ut) > 0.0
-        });
-        let event = (!goes_on).then_some(Event { decided_ns: time_ns, ..event });
-        Some((Told { time_ns, moved_ut }, event))
+        let moved = now.part(HARD_IRON) - self.filter.part(HARD_IRON);
+        let before = before.filter(|before| before.goes_on(event.since_ns, &moved));
+        let since_ns = before.map_or(event.since_ns, |before| before.since_ns);
+        let event = before.is_none().then_some(Event { decided_ns, ..event });
+        Some((Told { since_ns, decided_ns, moved }, event))
     }
 
     /// The calibration from before the change.

@@ -43,7 +43,7 @@ impl Aided {
         let mut answer = self.answer(filter, c, Some(f))?;
         let field_rad2 = p_f.trace() / 3.0 / filter.part(FIELD).norm_squared();
         answer.common_rad2 = self.motion.common_rad2(field_rad2, &self.tuning);
-        answer.tilt_rad2 = Some(self.motion.tilt_rad2(field_rad2, &self.tuning));
+        answer.tilt_rad2 = Some(self.motion.tilt_rad2(answer.common_rad2, &self.tuning));
         Some(answer)
     }
 

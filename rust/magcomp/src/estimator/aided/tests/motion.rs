@@ -31,7 +31,7 @@ fn a_turn_on_an_arm_does_not_tilt_up() {
     }
     assert!(worst_deg < 2.0, "{worst_deg} deg");
     // 22 deg of motion over a memory of 5 s
-    let sigma_deg = motion.tilt_rad2(f64::INFINITY, &tuning).sqrt().to_degrees();
+    let sigma_deg = motion.tilt_rad2(motion.common_rad2(f64::INFINITY, &tuning), &tuning).sqrt().to_degrees();
     assert!((0.4..2.0).contains(&sigma_deg), "{sigma_deg} deg");
 }
 
@@ -49,7 +49,7 @@ fn a_car_that_speeds_up_and_brakes_is_told() {
             if t_s > 20.0 {
                 // the angle is that about both horizontal axes
                 squares += 0.5 * motion.up.unwrap().angle(&Vector3::z()).powi(2) / 1e4;
-                variances += motion.tilt_rad2(f64::INFINITY, &tuning) / 1e4;
+                variances += motion.tilt_rad2(motion.common_rad2(f64::INFINITY, &tuning), &tuning) / 1e4;
             }
         }
         [squares, variances].map(|v| f64::sqrt(v).to_degrees())
@@ -92,7 +92,7 @@ fn a_slow_gyroscope_is_believed_for_less_long() {
         }
         // then it turns by 10 deg, and the gyroscope does not tell
         let gravity = Turn::by(&Vector3::x_axis().scale(10_f64.to_radians())).rotation * Vector3::z() * 9.80665;
-        let sigma_deg = motion.tilt_rad2(f64::INFINITY, &tuning).sqrt().to_degrees();
+        let sigma_deg = motion.tilt_rad2(motion.common_rad2(f64::INFINITY, &tuning), &tuning).sqrt().to_degrees();
         for k in 12_000..13_000 {
             let felt = gravity + Vector3::x() * if (k / 500) % 2 == 0 { 2.0 } else { -2.0 };
             motion.carry_up(&Matrix3::identity(), Some(felt), &known(), rad2_s * 0.01, 0.01, &tuning);
@@ -126,7 +126,7 @@ fn carried_beside_a_field(follow: bool, seed: u64) -> [f64; 2] {
             let up = motion.up.unwrap();
             // about the axis along which m says something
             squares += up.y.powi(2);
-            variances += motion.tilt_rad2(field_rad2, &tuning);
+            variances += motion.tilt_rad2(motion.common_rad2(field_rad2, &tuning), &tuning);
         }
     }
     [squares, variances].map(|sum| sum / 54_000.0)
