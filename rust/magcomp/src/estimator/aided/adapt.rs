@@ -24,8 +24,7 @@ use super::white::White;
 /// Noise levels, learned.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Adaptation {
-    /// Of a sample, and of a frame's mean.
-    pub(super) sample: White,
+    /// Noise of a frame's mean.
     pub(super) mean: White,
     /// s_d, uT.
     pub(super) local_ut: f64,
@@ -44,7 +43,6 @@ pub(crate) struct Adaptation {
 impl Adaptation {
     pub(crate) fn new(tuning: &Tuning) -> Self {
         Self {
-            sample: White::new(tuning),
             mean: White::new(tuning),
             local_ut: if tuning.unevenness { tuning.local_most_ut } else { 0.0 },
             power_ut2: tuning.even_ut.powi(2),

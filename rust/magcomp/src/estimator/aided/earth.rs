@@ -40,7 +40,7 @@ impl Earth {
     }
 
     /// One sample; `filter` is as it was before it.
-    pub(crate) fn step(&mut self, step: &Step<'_>, filter: &Filter, tuning: &Tuning) {
+    pub(crate) fn step(&mut self, step: &Step, filter: &Filter, tuning: &Tuning) {
         let bias_rad_s = filter.variances(BIAS).max().sqrt();
         let size_ut = self.field_ut.norm();
         let drifted_ut = self.sd_ut + size_ut * bias_rad_s * step.dt_s;

@@ -33,7 +33,7 @@ impl Aided {
                 [Some(first), Some(second), None, None]
             }),
             noise: NoiseLevels {
-                white_ut: Some(self.adaptation.sample.sigma_ut()),
+                white_ut: Some(self.senses.white.sigma_ut()),
                 local_ut: Some(self.adaptation.local_ut),
                 hard_iron_walk_ut: Some(self.tuning.offset_walk_ut),
                 delay_s: filter.map(|filter| filter.part(DELAY).x),

@@ -124,10 +124,10 @@ impl FirstFit {
     }
 
     /// The device turned.
-    pub(super) fn turn(&mut self, step: &Step<'_>) {
-        self.groups.turn(step.increment_rad, step.dt_s);
+    pub(super) fn turn(&mut self, step: &Step) {
+        self.groups.turn(&step.increment_rad, step.dt_s);
         if let Some(answer) = &mut self.answer {
-            answer.propagate(step.increment_rad, step.dt_s, &step.noise);
+            answer.propagate(&step.increment_rad, step.dt_s, &step.noise);
         }
         let h = step.turn * FIELD.of(&self.x);
         FIELD.set(&mut self.x, &h);
@@ -143,8 +143,8 @@ impl FirstFit {
     }
 
     /// A sample taken in motion; `up` as far as it is known.
-    pub(super) fn add(&mut self, step: &Step<'_>, up: Option<&Vector3<f64>>, tuning: &Tuning) {
-        let is_full = self.groups.add(step.raw_ut, step.rate_rad_s, step.dt_s);
+    pub(super) fn add(&mut self, step: &Step, up: Option<&Vector3<f64>>, tuning: &Tuning) {
+        let is_full = self.groups.add(&step.raw_ut, &step.rate_rad_s, step.dt_s);
         // what was given answers from the first sample on
         if is_full || (self.given.is_some() && self.is_blind()) {
             self.answer = self.fit(step.sigma_ut.powi(2), up, tuning);

@@ -27,7 +27,7 @@ use nalgebra::ComplexField as _;
 impl Aided {
     /// One sample with a rotation.
     #[inline(always)]
-    pub(super) fn with_rotation(&mut self, step: &Step<'_>) -> (Status, Answer) {
+    pub(super) fn with_rotation(&mut self, step: &Step) -> (Status, Answer) {
         match self.phase {
             Phase::Starting(_) => self.collect(step),
             Phase::Running(_) | Phase::Undecided(..) => self.learn(step),
@@ -45,17 +45,17 @@ impl Aided {
     }
 
     /// The start's part of one sample.
-    fn collect(&mut self, step: &Step<'_>) {
+    fn collect(&mut self, step: &Step) {
         let Phase::Starting(first) = &mut self.phase else { return };
         first.turn(step);
         // nothing else is known of the mean of several
-        self.adaptation.mean = self.adaptation.sample.clone();
+        self.adaptation.mean = self.senses.white.clone();
         if let Some(variance) = step.bias_variance {
-            first.rest(step.rate_rad_s, variance);
+            first.rest(&step.rate_rad_s, variance);
         }
         let is_pooled = !step.is_blank && (!step.resting || (first.given.is_some() && first.is_blind()));
         if is_pooled {
-            first.add(step, self.motion.up.as_ref(), &self.tuning);
+            first.add(step, self.senses.motion.up.as_ref(), &self.tuning);
         }
         self.judged = Some((if is_pooled { SampleUse::Pooled } else { SampleUse::AtRest }, None));
         if let Some(filter) = first.answer.take_if(|_| first.is_settled) {
@@ -64,7 +64,7 @@ impl Aided {
     }
 
     /// The filter's part of one sample.
-    fn learn(&mut self, step: &Step<'_>) {
+    fn learn(&mut self, step: &Step) {
         let Some(running) = self.phase.running_mut() else { return };
         if step.dt_s > self.tuning.gap_s {
             running.drift(step.dt_s, &self.tuning);
@@ -76,15 +76,15 @@ impl Aided {
         filter.turn(&step.turn, exp(-step.dt_s / step.noise.local_time_s));
         let delay_s = filter.part(DELAY).x;
         let piece = Piece {
-            increment_rad: *step.increment_rad,
+            increment_rad: step.increment_rad,
             dt_s: step.dt_s,
             bridged_rad2: step.noise.bridged_rad2,
-            raw_ut: (!step.is_blank).then_some(*step.raw_ut),
+            raw_ut: (!step.is_blank).then_some(step.raw_ut),
             late_s: step.late_s,
             up_m_s2: None,
         };
         let Some(whole) = self.frame.add(&piece, running.lost_strength_ut.is_some()) else { return };
-        let delayed_rad_s = self.recent.mean_rad_s(delay_s + whole.late_s).filter(|_| self.tuning.recent);
+        let delayed_rad_s = self.senses.mean_rad_s(delay_s + whole.late_s, &self.tuning);
         let rate_rad_s = whole.increment_rad / whole.length_s;
         self.learn_frame(&FrameStep {
             time_ns: step.time_ns,
@@ -107,9 +107,7 @@ impl Aided {
     /// The filter's part of a frame: predict, test, then decide between hypotheses or absorb it.
     fn learn_frame(&mut self, step: &FrameStep) {
         let is_open = self.phase.trial().is_some();
-        if self.probation.as_mut().is_some_and(|it| it.step(step, &self.tuning)) && !is_open {
-            self.confirm(step.time_ns);
-        }
+        self.changes.turn(&self.phase, step, &self.tuning);
         self.predict(step);
         if step.is_blank {
             if let Phase::Undecided(_, trial) = &mut self.phase {
@@ -135,10 +133,10 @@ impl Aided {
         self.judged = Some((usage, Some(told)));
         if is_blind && !is_open {
             running.watch.begin(step.time_ns, innovation.v.norm());
-            self.begin_trial(Began::Pause);
+            self.changes.begin_trial(&mut self.phase, Began::Pause, &self.tuning);
         }
         if is_open || is_blind {
-            return self.run_trial(step);
+            return self.changes.run_trial(&mut self.phase, step, &self.tuning);
         }
         if usage == SampleUse::Used {
             self.absorb(step, &innovation);
@@ -146,7 +144,7 @@ impl Aided {
         if !step.resting {
             self.adaptation.add_innovation(&innovation, step.motion, step.dt_s, &self.tuning);
         }
-        self.look_at_misfits(step);
+        self.changes.look_at_misfits(&mut self.phase, step, &self.tuning);
     }
 
     /// What is known follows the device's turn.
@@ -160,7 +158,6 @@ impl Aided {
         let raw_ut = (!step.is_blank).then_some(&step.raw_ut);
         let memory_s = self.tuning.settled_s;
         self.adaptation.mean.step(raw_ut, &x, &turn.rotation, step.dt_s, memory_s, &self.tuning);
-        self.quarantine.turn(step);
     }
 
     /// The innovation of a frame, and whether it is none that the filter expects. `None` where it cannot be formed.
@@ -174,11 +171,9 @@ impl Aided {
         let is_gated =
             innovation.nis > self.tuning.gate || self.tuning.local_gate && local_ut.norm_squared() > most_ut2;
         let unexplained_ut = innovation.v + local_ut;
-        let former = self.former.as_ref().map(|f| f.residual(&step.raw_ut, &filter.part(FIELD)));
+        let former = self.changes.former_residual(step, filter);
         running.watch.step(step, is_gated.then_some(&unexplained_ut), former, is_open, &self.tuning);
-        if !step.resting {
-            self.bursts.pass(is_gated, step.dt_s, &self.tuning);
-        }
+        self.changes.pass(is_gated, step, &self.tuning);
         if let Some(variance) = step.bias_variance {
             filter.update_bias(&step.rate_rad_s, variance);
         }
@@ -195,31 +190,12 @@ impl Aided {
             * self.adaptation.factor(&step.noise, step.dt_s, &self.tuning)
             + self.adaptation.unaveraged_ut2(&self.tuning);
         let turn_rad = carried.cross(&corrected) / corrected.norm_squared();
-        self.motion.follow(&turn_rad, field_ut2 / corrected.norm_squared(), &self.tuning);
+        self.senses.motion.follow(&turn_rad, field_ut2 / corrected.norm_squared(), &self.tuning);
         let x = filter.parts();
         if let Some((_, still)) = x.corrected(&step.raw_ut) {
             let late_rad = x.true_rate(&step.delayed_rad_s) * (x.delay + step.late_s);
             let c = Turn::by(&-late_rad).rotation * still;
             self.adaptation.add_difference(&(c - x.field), step.dt_s, &self.tuning);
-        }
-    }
-
-    /// Where many samples of late were misfits what was learned last is taken back, and the hypotheses begin.
-    fn look_at_misfits(&mut self, step: &FrameStep) {
-        let Phase::Running(running) = &mut self.phase else { return };
-        if running.watch.share > self.tuning.suspect_share {
-            if let Some(probation) = self.probation.take() {
-                probation.take_back(running);
-                self.bursts.was_the_place();
-            } else if self.tuning.quarantine
-                && !step.resting
-                && let Some(proven) = self.quarantine.take_back(&step.noise)
-            {
-                running.filter = proven;
-            }
-            self.begin_trial(Began::Misfit);
-        } else if running.watch.share < 0.5 * self.tuning.suspect_share {
-            self.quarantine.learned(&running.filter, step.dt_s, &self.tuning);
         }
     }
 }

@@ -1,15 +1,17 @@
 //! The aided estimator: gyroscope and gravity beside the magnetometer.
 //!
-//! One file an idea: `state` · `propagate` · `measure` · `white`, `adapt` (noise, places) · `motion` (rest, up) · `earth` (in a new place) · `watch` (samples that do
-//! not fit) · `turned` (over several samples) · `quarantine`, `bursts` (magnets that are passed) · `recent` (delay) · `events` (hypotheses),
-//! `probation` (what has won, until it has held) ·
-//! `first_fit`, `batch`, `groups` · `running` (filter) · `phase` (start, filter, hypotheses: one owner) · `start` · one sample: `step`, `sense`,
-//! `learn`, `decide`, `publish` · `explain` (for people). The derivation is in docs/dev/METHOD-AIDED.md.
+//! Three owners. `sense`: what the sensors told of late (`motion` · `recent`: delay · `white`: noise), which makes a `step` of a sample. `phase`: the one filter
+//! that follows, a start before it or hypotheses beside it. `changes`: what became of changes, which alone goes from one phase to another while samples
+//! do not fit (`events`: hypotheses · `probation`: what has won, until it has held · `quarantine`, `bursts`: magnets that are passed).
+//!
+//! The filter: `running` · `state` · `propagate` · `measure` · `adapt` (noise, places) · `earth` (in a new place) · `watch` (samples that do not fit). A start:
+//! `start` · `first_fit` · `batch` · `groups` · `turned` (over several samples). One sample: `learn`, then `publish`. `explain` is for people. The
+//! derivation is in docs/dev/METHOD-AIDED.md.
 
 mod adapt;
 mod batch;
 mod bursts;
-mod decide;
+mod changes;
 mod earth;
 mod events;
 mod explain;
@@ -36,56 +38,42 @@ mod turned;
 mod watch;
 mod white;
 
-use crate::sample::seconds;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use crate::calibration::Calibration;
-use crate::estimator::answer::{Answer, Carry, Told};
+use crate::estimator::answer::{Answer, Carry};
 use crate::explanation::{InnovationTest, SampleUse};
+use crate::math::elementary::hypot;
 use crate::math::gaussian::Gaussian;
 use crate::math::symmetric::six;
-use crate::reading::{Event, SensorMode, Status};
+use crate::reading::{SensorMode, Status};
 use crate::sensing::frame::Frame;
-use crate::sensing::pairing::PairedInertial;
+use crate::sensing::pairing::{PairedInertial, Rotation};
 use adapt::Adaptation;
-use bursts::Bursts;
+use changes::Changes;
 use earth::Earth;
 use first_fit::FirstFit;
-use motion::Motion;
 use phase::Phase;
-use probation::Probation;
-use quarantine::Quarantine;
-use recent::Recent;
-use state::{BIAS, CALIBRATION, DELAY, FIELD, FIELD_AND_CALIBRATION, Filter, HARD_IRON};
+use propagate::ProcessNoise;
+use sense::{Senses, Taken};
+use state::{BIAS, CALIBRATION, FIELD, FIELD_AND_CALIBRATION, Filter, HARD_IRON};
 pub(crate) use tuning::Tuning;
-use watch::Former;
 
 /// The estimator. All state is plain numbers: it can be cloned and compared.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Aided {
     tuning: Tuning,
-    last_ns: Option<i64>,
+    senses: Senses,
     phase: Phase,
     /// The strength of the field where it is known, uT.
     known_ut: Option<f64>,
     adaptation: Adaptation,
-    bursts: Bursts,
-    /// Of the filter, empty while there is none or the hypotheses run.
-    quarantine: Quarantine,
-    recent: Recent,
     frame: Frame,
     /// Of what was published after the latest frame, c and f, uT^2.
     covariances: Option<[Matrix3<f64>; 2]>,
-    motion: Motion,
-    former: Option<Former>,
-    probation: Option<Probation>,
-    told: Option<Told>,
-    event: Option<Event>,
-    /// Seconds since the chain of rotations began, and whether there was one before.
-    chain_s: f64,
-    was_broken: bool,
+    changes: Changes,
     /// What became of the latest sample: only told.
     judged: Option<(SampleUse, Option<InnovationTest>)>,
 }
@@ -94,22 +82,13 @@ impl Aided {
     /// A new estimator that knows nothing but, perhaps, the strength of the field, for a validated config.
     pub fn new(tuning: Tuning, known_ut: Option<f64>) -> Self {
         Self {
-            last_ns: None,
+            senses: Senses::new(&tuning),
             phase: Phase::Starting(FirstFit::new(None, known_ut, &tuning)),
             known_ut,
             adaptation: Adaptation::new(&tuning),
-            bursts: Bursts::default(),
-            quarantine: Quarantine::default(),
-            recent: Recent::default(),
             frame: Frame::default(),
             covariances: None,
-            motion: Motion::new(),
-            former: None,
-            probation: None,
-            told: None,
-            event: None,
-            chain_s: 0.0,
-            was_broken: false,
+            changes: Changes::default(),
             judged: None,
             tuning,
         }
@@ -122,7 +101,7 @@ impl Aided {
 
     /// Whether the chain of rotations broke not long ago: it is younger than this.
     pub fn broke_within(&self, seconds: f64) -> bool {
-        self.was_broken && self.chain_s < seconds
+        self.senses.broke_within(seconds)
     }
 
     /// The calibration in force: M, b and |m|; `None` while not even the field's direction is known.
@@ -194,15 +173,24 @@ impl Aided {
         answer
     }
 
+    /// What may have changed since the sample before.
+    fn process_noise(&self, rotation: &Rotation) -> ProcessNoise {
+        let tuning = &self.tuning;
+        ProcessNoise {
+            bridged_rad2: rotation.variance_rad2,
+            offset_ut: if tuning.hard_iron_walk { tuning.offset_walk_ut } else { 0.0 },
+            local_ut: hypot(self.adaptation.local_ut, self.changes.left_ut2(tuning).sqrt()),
+            local_time_s: tuning.place_correlation_s,
+        }
+    }
+
     /// A sample, or only its time where it is blank.
     fn add(&mut self, time_ns: i64, raw_ut: Vector3<f64>, paired: &PairedInertial, is_blank: bool) -> (Status, Answer) {
-        let dt_s = self.last_ns.replace(time_ns).map(|last| seconds(last, time_ns));
+        let dt_s = self.senses.next(time_ns);
         let up = paired.up_m_s2;
         let (status, mut answer) = if let (Some(rotation), Some(dt_s)) = (&paired.rotation, dt_s) {
-            self.recent.add(&rotation.increment_rad, dt_s, &raw_ut, is_blank);
-            let waited = self.recent.waited(self.phase.running().map_or(0.0, |it| -it.filter.part(DELAY).x));
-            let step = self.sense(time_ns, &waited, rotation, up, dt_s);
-            self.chain_s += dt_s;
+            let (taken, noise) = (Taken { time_ns, dt_s, raw_ut, is_blank }, self.process_noise(rotation));
+            let step = self.senses.step(&taken, rotation, up, &self.phase, noise, &self.tuning);
             let (status, mut answer) = self.with_rotation(&step);
             answer.mode = if up.is_some() { SensorMode::GyroscopeAndGravity } else { SensorMode::GyroscopeOnly };
             let bias_rad2_s2 = self.phase.known().map_or(step.bias_sd_rad_s.powi(2), |filter| {
@@ -211,11 +199,12 @@ impl Aided {
                     answer.filtered_covariance_ut2.map_or(0.0, |p| p.trace() * self.scale(filter).powi(2));
                 filter.variances(BIAS).max() * (published_ut2 / filter.variances(FIELD).sum()).max(1.0)
             });
-            let without_field =
-                || self.motion.tilt_rad2(self.motion.common_rad2(f64::INFINITY, &self.tuning), &self.tuning);
+            let without_field = || {
+                self.senses.motion.tilt_rad2(self.senses.motion.common_rad2(f64::INFINITY, &self.tuning), &self.tuning)
+            };
             answer.carry = Some(Carry {
                 turn: step.turn,
-                up: self.motion.up,
+                up: self.senses.motion.up,
                 tilt_rad2: answer.tilt_rad2.unwrap_or_else(without_field),
                 bias_rad2_s2,
                 is_bias_told: self.phase.known().is_some(),
@@ -228,7 +217,7 @@ impl Aided {
             let (status, answer) = self.held(&raw_ut);
             (status, answer.without_gyroscope(up))
         };
-        (answer.up, answer.event) = (self.motion.up, self.event);
+        (answer.up, answer.event) = (self.senses.motion.up, self.changes.event);
         (status, answer)
     }
 }

@@ -26,10 +26,10 @@ use crate::strength::EARTH_UT;
 impl Aided {
     /// What is published after a sample with a rotation; `None` where c or f has no value. Their covariances are those of the latest frame.
     #[inline(always)]
-    pub(super) fn published(&mut self, step: &Step<'_>) -> Option<Answer> {
+    pub(super) fn published(&mut self, step: &Step) -> Option<Answer> {
         let filter = self.phase.known()?;
         let x = filter.parts();
-        let (w, still) = x.corrected(step.raw_ut)?;
+        let (w, still) = x.corrected(&step.raw_ut)?;
         let late_rad = x.true_rate(&step.delayed_rad_s) * (x.delay + step.late_s);
         let c = Turn::by(&-late_rad).rotation * still;
         let f = self.earth_ut(filter);
@@ -42,18 +42,18 @@ impl Aided {
         let (c, f) = (Gaussian { mean: c, covariance: p_c }, Gaussian { covariance: p_f, ..f });
         let mut answer = self.answer(filter, c, Some(f))?;
         let field_rad2 = p_f.trace() / 3.0 / filter.part(FIELD).norm_squared();
-        answer.common_rad2 = self.motion.common_rad2(field_rad2, &self.tuning);
-        answer.tilt_rad2 = Some(self.motion.tilt_rad2(answer.common_rad2, &self.tuning));
+        answer.common_rad2 = self.senses.motion.common_rad2(field_rad2, &self.tuning);
+        answer.tilt_rad2 = Some(self.senses.motion.tilt_rad2(answer.common_rad2, &self.tuning));
         Some(answer)
     }
 
     /// P_c and P_f, uT^2.
-    fn covariance_ut2(&self, step: &Step<'_>, filter: &Filter, w: &Matrix3<f64>, f: &Gaussian<3>) -> [Matrix3<f64>; 2] {
+    fn covariance_ut2(&self, step: &Step, filter: &Filter, w: &Matrix3<f64>, f: &Gaussian<3>) -> [Matrix3<f64>; 2] {
         let Gaussian { mean: f, covariance: elsewhere } = f;
-        let swing = filter.parts().true_rate(step.rate_rad_s).cross(f);
+        let swing = filter.parts().true_rate(&step.rate_rad_s).cross(f);
         let timing = swing * swing.transpose() * filter.own(DELAY).x;
         let floor = self.adaptation.floor_ut2(&self.tuning);
-        let noise = w * w.transpose() * self.adaptation.sample.sigma_ut().powi(2);
+        let noise = w * w.transpose() * self.senses.white.sigma_ut().powi(2);
         // what c and f differ by is learned from frames
         let of_means_ut2 = (w * w.transpose()).trace() / 3.0 * self.adaptation.mean.sigma_ut().powi(2);
         let mut unseen = self.adaptation.local_ut2(of_means_ut2, &self.tuning) + floor;
@@ -78,7 +78,7 @@ impl Aided {
         };
         let answer = filter.parts().corrected(raw_ut).and_then(|(w, c)| {
             // one-step increments mean nothing without a rotation: no more noise than at the start
-            let sigma_ut = self.adaptation.sample.sigma_ut().min(self.tuning.noise_start_ut);
+            let sigma_ut = self.senses.white.sigma_ut().min(self.tuning.noise_start_ut);
             let noise = w * w.transpose() * sigma_ut.powi(2);
             let floor = Matrix3::identity() * self.adaptation.floor_ut2(&self.tuning);
             let p_c = calibration_covariance(&filter.own(CALIBRATION), &w, &c) + noise + floor;
@@ -103,7 +103,7 @@ impl Aided {
 
     /// The status after a sample with a rotation.
     pub(super) fn status(&self) -> Status {
-        let at_rest = self.motion.at_rest();
+        let at_rest = self.senses.motion.at_rest();
         match &self.phase {
             // what was given is in force until the samples of a start know more
             Phase::Starting(first) if first.given.is_none() => Status::Collecting(first.missing()),
@@ -118,7 +118,7 @@ impl Aided {
                     Status::Held(HoldReason::FitRefused(error))
                 } else if at_rest {
                     Status::Held(HoldReason::AtRest)
-                } else if self.motion.lately_rad_s < self.tuning.bias_sd_rad_s {
+                } else if self.senses.motion.lately_rad_s < self.tuning.bias_sd_rad_s {
                     Status::Held(HoldReason::TooLittleRotation)
                 } else {
                     Status::Tracking

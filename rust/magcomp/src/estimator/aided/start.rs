@@ -8,8 +8,6 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use super::Aided;
 use super::first_fit::{Before, FirstFit};
 use super::phase::Phase;
-use super::quarantine::Quarantine;
-use super::recent::Recent;
 use super::running::Running;
 use super::state::{CALIBRATION, FIELD, HARD_IRON_ALONE, SOFT_IRON_ALONE};
 use super::watch::Watch;
@@ -22,15 +20,13 @@ use crate::sensing::frame::Frame;
 impl Aided {
     /// Forgets the calibration, but for what is `given`; what is learned of the noise stays.
     pub(super) fn begin(&mut self, given: Option<Before>) {
-        self.quarantine = Quarantine::default();
-        // its filter is not carried through a start
-        self.probation = None;
+        self.changes.start();
         self.phase = Phase::Starting(FirstFit::new(given, self.known_ut, &self.tuning));
     }
 
     /// Begins with a calibration from elsewhere.
     pub fn begin_from(&mut self, given: &Given) {
-        self.confirm_latest();
+        self.changes.break_chain(&self.phase, self.senses.latest_ns, &self.tuning);
         // the gauge here is trace M = 3: e = 3 M / tr M - I
         let m = given.calibration.soft_iron();
         let (trace, b) = (m.trace(), given.calibration.hard_iron_ut());
@@ -52,15 +48,11 @@ impl Aided {
 
     /// No usable rotation for this sample: the first one, a gap, or no gyroscope.
     pub(super) fn without_rotation(&mut self, raw_ut: &Vector3<f64>, up: Option<Vector3<f64>>, dt_s: f64) {
-        self.confirm_latest();
-        self.was_broken |= self.chain_s > 0.0;
-        self.chain_s = 0.0;
+        self.changes.break_chain(&self.phase, self.senses.latest_ns, &self.tuning);
         self.judged = Some((SampleUse::NoRotation, None));
-        (self.adaptation.sample.previous, self.adaptation.mean.previous) = (None, None);
-        self.motion.without_rotation(up);
-        self.recent = Recent::default();
+        self.senses.without_rotation(up);
+        self.adaptation.mean.previous = None;
         self.frame = Frame::default();
-        self.quarantine = Quarantine::default();
         match self.phase.take() {
             // the chain of rotations is broken; a calibration that was given may still hold
             Phase::Starting(first) => self.begin(first.given),

@@ -12,15 +12,15 @@ use super::state::{AXES, BIAS, Filter, Parts};
 pub(super) const SAMPLE_S: f64 = 0.01;
 
 /// What a sample brings: its field, the turn before it, and what is known of noise and motion then.
-pub(crate) struct Step<'a> {
+pub(crate) struct Step {
     pub(crate) time_ns: i64,
-    pub(crate) raw_ut: &'a Vector3<f64>,
+    pub(crate) raw_ut: Vector3<f64>,
     /// The sensor was at its full scale: `raw_ut` says nothing.
     pub(crate) is_blank: bool,
-    pub(crate) rate_rad_s: &'a Vector3<f64>,
+    pub(crate) rate_rad_s: Vector3<f64>,
     /// Mean reading of the gyroscope since the magnetometer's delay before the sample, rad/s.
     pub(crate) delayed_rad_s: Vector3<f64>,
-    pub(crate) increment_rad: &'a Vector3<f64>,
+    pub(crate) increment_rad: Vector3<f64>,
     /// Turns the field from the sample before to this one, with what is known of the gyroscope's errors.
     pub(crate) turn: Matrix3<f64>,
     pub(crate) dt_s: f64,

@@ -3,6 +3,7 @@
 use super::*;
 use crate::estimator::adaptive::parameters::{Gaussian, TauMatrix, tau_of};
 use crate::estimator::adaptive::state::State;
+use crate::priors::SETTLED_S;
 use nalgebra::{Matrix3, Vector3};
 
 const UNIT_UT: f64 = 45.0;

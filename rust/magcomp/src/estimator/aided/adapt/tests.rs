@@ -2,8 +2,6 @@
 
 use super::*;
 use crate::estimator::aided::propagate::ProcessNoise;
-use crate::estimator::aided::state::Filter;
-use nalgebra::Matrix3;
 
 const DT_S: f64 = 0.02;
 const NOTHING: Vector3<f64> = Vector3::new(0.0, 0.0, 0.0);
@@ -15,23 +13,6 @@ fn close(found: f64, expected: f64) -> bool {
 /// Noise of which only the local field matters.
 fn noise(local_ut: f64) -> ProcessNoise {
     ProcessNoise { bridged_rad2: 0.0, offset_ut: 0.0, local_ut, local_time_s: 1.0 }
-}
-
-#[test]
-fn samples_and_means_of_frames_are_learned_apart() {
-    let tuning = Tuning::default();
-    let x = Filter::default().parts();
-    let mut adaptation = Adaptation::new(&tuning);
-    let one = Matrix3::identity();
-    for k in 0..2 {
-        adaptation.sample.step(Some(&Vector3::repeat(f64::from(k))), &x, &one, DT_S, tuning.memory_s, &tuning);
-        adaptation.mean.step(Some(&NOTHING), &x, &one, DT_S, tuning.settled_s, &tuning);
-    }
-    let start = tuning.noise_start_ut.powi(2);
-    // |(1, 1, 1)|^2 / 6; the means are all zero
-    let sample = start + DT_S / tuning.memory_s * (0.5 - start);
-    let mean = start * (1.0 - DT_S / tuning.settled_s);
-    assert!(close(adaptation.sample.sigma_ut().powi(2), sample) && close(adaptation.mean.sigma_ut().powi(2), mean));
 }
 
 /// c and f differ by a constant: every low-pass ends there.

@@ -196,10 +196,10 @@ fn a_room_full_of_magnets_is_hardly_taken_for_a_change_of_the_device() {
             for k in 0..300 {
                 let along = (f64::from(k) * DT_S - nearest_s) / lasts_s;
                 world.field_ut = earth_ut + magnet_ut / (1.0 + along * along).powf(1.5);
-                let before = aided.event;
+                let before = aided.changes.event;
                 run(&mut world, &mut aided, 1);
-                let is_new = aided.event != before;
-                told += i32::from(is_new && aided.event.is_some_and(|it| it.kind != EventKind::PlaceChanged));
+                let is_new = aided.changes.event != before;
+                told += i32::from(is_new && aided.changes.event.is_some_and(|it| it.kind != EventKind::PlaceChanged));
             }
         }
         off_ut = off_ut.max((filter_of(&aided).part(HARD_IRON) - world.hard_iron_ut).norm());
@@ -222,7 +222,11 @@ fn a_step_at_rest_is_found_although_the_gyroscope_has_warmed_since() {
         world.tumbling_rad_s = 1.0;
         run(&mut world, &mut aided, 400);
         let off_ut = (filter_of(&aided).part(HARD_IRON) - world.hard_iron_ut).norm();
-        assert!(aided.event.is_some_and(|it| it.kind == EventKind::DeviceStep), "seed {seed}: {:?}", aided.event);
+        assert!(
+            aided.changes.event.is_some_and(|it| it.kind == EventKind::DeviceStep),
+            "seed {seed}: {:?}",
+            aided.changes.event
+        );
         assert!(off_ut < 3.0, "seed {seed}: {off_ut} uT off");
     }
 }

@@ -110,11 +110,11 @@ fn without_recall_the_way_back_is_a_step_like_any_other() {
         let (mut world, mut aided) = without(mechanism);
         world.hard_iron_ut += MAGNET_UT;
         run(&mut world, &mut aided, 1_500);
-        assert_eq!(aided.event.unwrap().kind, EventKind::DeviceStep);
-        let first_ns = aided.event.unwrap().since_ns;
+        assert_eq!(aided.changes.event.unwrap().kind, EventKind::DeviceStep);
+        let first_ns = aided.changes.event.unwrap().since_ns;
         world.hard_iron_ut -= MAGNET_UT;
         run(&mut world, &mut aided, 800);
-        let event = aided.event.unwrap();
+        let event = aided.changes.event.unwrap();
         assert!(event.kind == kind && event.since_ns > first_ns, "{mechanism}: {event:?}");
     }
 }
@@ -132,7 +132,7 @@ fn without_a_new_place_its_field_is_the_earths() {
 #[test]
 fn noise_that_is_not_learned_is_that_of_the_start() {
     let (_, aided) = without("noise_learning");
-    assert_eq!(aided.adaptation.sample.sigma_ut(), Tuning::default().noise_start_ut);
+    assert_eq!(aided.senses.white.sigma_ut(), Tuning::default().noise_start_ut);
 }
 
 /// A walk of two minutes with everything in it: an uneven place at the start and a cover put on meanwhile, a magnet passed every few seconds, another place
@@ -162,7 +162,7 @@ fn eventful(tuning: Tuning) -> Vec<[f64; 3]> {
             let f = answer.filtered_field_ut.unwrap_or_default();
             let sigma = answer.filtered_covariance_ut2.map_or(0.0, |p| p.trace());
             let up = answer.up.unwrap_or_default();
-            told.push([f.sum() + up.sum(), sigma, aided.event.map_or(0.0, |event| event.decided_ns as f64)]);
+            told.push([f.sum() + up.sum(), sigma, aided.changes.event.map_or(0.0, |event| event.decided_ns as f64)]);
             assert!(f.iter().all(|v| v.is_finite()) && sigma.is_finite(), "{t} s");
         }
     }

@@ -19,9 +19,9 @@ fn settled(seed: u64) -> (World, Aided) {
 fn run(world: &mut World, aided: &mut Aided, samples: usize) -> Vec<Event> {
     let mut told = Vec::new();
     for _ in 0..samples {
-        let (before, sample) = (aided.event, world.sample(0.01));
+        let (before, sample) = (aided.changes.event, world.sample(0.01));
         aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
-        told.extend(aided.event.filter(|_| aided.event != before));
+        told.extend(aided.changes.event.filter(|_| aided.changes.event != before));
     }
     told
 }
@@ -32,7 +32,7 @@ fn on_probation(seed: u64) -> (World, Aided) {
     world.hard_iron_ut += MAGNET_UT;
     for _ in 0..300 {
         assert_eq!(run(&mut world, &mut aided, 1), []);
-        if aided.probation.is_some() {
+        if aided.changes.probation.is_some() {
             return (world, aided);
         }
     }
@@ -52,7 +52,7 @@ fn what_holds_is_told_after_its_time_in_motion_and_in_force_before() {
         assert_eq!(run(&mut world, &mut aided, 145), [], "{seed}");
         let told = run(&mut world, &mut aided, 15);
         assert_eq!(told.iter().map(|it| it.kind).collect::<Vec<_>>(), [EventKind::DeviceStep], "{seed}");
-        assert!(aided.probation.is_none() && aided.former.is_some(), "{seed}");
+        assert!(aided.changes.probation.is_none() && aided.changes.former.is_some(), "{seed}");
     }
 }
 
@@ -62,7 +62,7 @@ fn what_stops_fitting_meanwhile_is_taken_back_and_never_told() {
         let (mut world, mut aided) = on_probation(seed);
         world.hard_iron_ut -= MAGNET_UT;
         assert_eq!(run(&mut world, &mut aided, 600), [], "{seed}");
-        assert!(aided.probation.is_none() && aided.former.is_none(), "{seed}");
+        assert!(aided.changes.probation.is_none() && aided.changes.former.is_none(), "{seed}");
         assert!(off_ut(&world, &aided) < 1.5, "{seed}: {}", off_ut(&world, &aided));
     }
 }
@@ -72,7 +72,7 @@ fn rest_proves_nothing() {
     let (mut world, mut aided) = on_probation(71);
     world.tumbling_rad_s = 0.0;
     assert_eq!(run(&mut world, &mut aided, 500), []);
-    assert!(aided.probation.is_some());
+    assert!(aided.changes.probation.is_some());
 }
 
 #[test]
@@ -81,8 +81,8 @@ fn a_chain_of_turns_that_breaks_ends_it() {
     let mut sample = world.sample(0.01);
     sample.inertial.rotation = None;
     aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
-    assert_eq!(aided.event.map(|it| it.kind), Some(EventKind::DeviceStep));
-    assert!(aided.probation.is_none());
+    assert_eq!(aided.changes.event.map(|it| it.kind), Some(EventKind::DeviceStep));
+    assert!(aided.changes.probation.is_none());
 }
 
 /// A calibration from elsewhere comes meanwhile: the filter as it was is nothing to go back to afterwards.
@@ -91,8 +91,8 @@ fn a_calibration_that_is_given_ends_it() {
     let (mut world, mut aided) = on_probation(73);
     let given = Given { calibration: aided.calibration().unwrap(), covariance: aided.covariance().unwrap() };
     aided.begin_from(&given);
-    assert_eq!(aided.event.map(|it| it.kind), Some(EventKind::DeviceStep));
-    assert!(aided.probation.is_none());
+    assert_eq!(aided.changes.event.map(|it| it.kind), Some(EventKind::DeviceStep));
+    assert!(aided.changes.probation.is_none());
     assert_eq!(run(&mut world, &mut aided, 1_000), []);
     assert!(off_ut(&world, &aided) < 2.0, "{}", off_ut(&world, &aided));
 }
@@ -103,7 +103,7 @@ fn a_filter_that_is_not_finite_ends_it() {
     let (mut world, mut aided) = on_probation(70);
     aided.phase.running_mut().unwrap().filter.mean[0] = f64::NAN;
     run(&mut world, &mut aided, 1);
-    assert!(aided.probation.is_none() && aided.phase.running().is_none());
+    assert!(aided.changes.probation.is_none() && aided.phase.running().is_none());
     run(&mut world, &mut aided, 1_500);
     assert!(off_ut(&world, &aided) < 2.0, "{}", off_ut(&world, &aided));
 }

@@ -99,7 +99,7 @@ fn a_spike_as_the_first_sample_does_no_harm() {
         aided.push(sample.time_ns, sample.raw_ut + spike, &sample.inertial);
     }
     let error = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm();
-    assert!(error < 2.0 && aided.event.is_none(), "offset wrong by {error} uT, {:?}", aided.event);
+    assert!(error < 2.0 && aided.changes.event.is_none(), "offset wrong by {error} uT, {:?}", aided.changes.event);
 }
 
 #[test]
@@ -169,7 +169,7 @@ fn rows_without_a_sample_between_those_that_have_one_cost_nothing() {
                 }
             }
             let off_ut = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm();
-            (off_ut, aided.adaptation.sample.sigma_ut(), aided.event.is_some())
+            (off_ut, aided.senses.white.sigma_ut(), aided.changes.event.is_some())
         };
         let before = run(&mut world, 4_000);
         world.hard_iron_ut.x += 20.0;

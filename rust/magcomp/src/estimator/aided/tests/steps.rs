@@ -53,7 +53,7 @@ fn a_device_step_is_relearned_and_its_undoing_recalled() {
         let (worst, suspect) = run(&mut world, &mut aided, 1_500);
         assert!(worst < 3.0, "seed {seed}: carried field wrong by {worst} deg");
         assert!(suspect.is_some_and(|k| k < 30), "seed {seed}: suspect after {suspect:?} samples");
-        let event = aided.event.unwrap();
+        let event = aided.changes.event.unwrap();
         assert_eq!(event.kind, EventKind::DeviceStep, "seed {seed}");
         assert!((event.since_ns - at).abs() < 100_000_000, "seed {seed}");
         let error = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm();
@@ -65,7 +65,7 @@ fn a_device_step_is_relearned_and_its_undoing_recalled() {
             run(&mut world, &mut aided, 1);
         }
         run(&mut world, &mut aided, 300);
-        assert_eq!(aided.event.unwrap().kind, EventKind::DeviceStepBack, "seed {seed}");
+        assert_eq!(aided.changes.event.unwrap().kind, EventKind::DeviceStepBack, "seed {seed}");
         let error = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm();
         assert!(error < 1.5, "seed {seed}: offset wrong by {error} uT after the recall");
     }
@@ -85,12 +85,12 @@ fn a_place_step_is_held_and_forgotten() {
             let moved = (aided.calibration().unwrap().hard_iron_ut() - before).norm();
             assert!(moved < 3.0, "seed {seed}: b moved by {moved} uT");
         }
-        assert_eq!(aided.event.unwrap().kind, EventKind::PlaceChanged, "seed {seed}");
+        assert_eq!(aided.changes.event.unwrap().kind, EventKind::PlaceChanged, "seed {seed}");
         world.field_ut = earth;
         run(&mut world, &mut aided, 150);
         let (worst, suspect) = run(&mut world, &mut aided, 500);
         assert!(worst < 3.0 && suspect.is_none(), "seed {seed}: {worst} deg, {suspect:?}");
-        assert_eq!(aided.event.unwrap().kind, EventKind::PlaceChanged, "seed {seed}");
+        assert_eq!(aided.changes.event.unwrap().kind, EventKind::PlaceChanged, "seed {seed}");
     }
 }
 
@@ -140,11 +140,11 @@ fn a_device_step_in_a_changed_place_is_relearned() {
         let earth = world.field_ut;
         world.field_ut += Vector3::new(14.0, -8.0, 12.0);
         run_while(&mut world, &mut aided, 1_200, |_, _, _| ());
-        assert_eq!(aided.event.unwrap().kind, EventKind::PlaceChanged, "seed {seed}");
+        assert_eq!(aided.changes.event.unwrap().kind, EventKind::PlaceChanged, "seed {seed}");
         world.hard_iron_ut += MAGNET_UT;
         let at = world.time_ns;
         run_while(&mut world, &mut aided, 500, |_, _, _| ());
-        let event = aided.event.unwrap();
+        let event = aided.changes.event.unwrap();
         assert_eq!(event.kind, EventKind::DeviceStep, "seed {seed}");
         assert!((event.since_ns - at).abs() < 300_000_000, "seed {seed}: {} s off", (event.since_ns - at) as f64 / 1e9);
         let error = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm();
@@ -167,7 +167,7 @@ fn a_small_change_is_relearned_without_an_event() {
             let (mut world, mut aided) = settled(seed);
             world.hard_iron_ut += MAGNET_UT.normalize() * size_ut;
             run_while(&mut world, &mut aided, 1_500, |_, _, _| ());
-            told += i32::from(aided.event.is_some());
+            told += i32::from(aided.changes.event.is_some());
             let error = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm();
             assert!(error < 2.5, "{size_ut} uT, seed {seed}: offset wrong by {error} uT");
         }
@@ -265,7 +265,7 @@ fn a_magnet_soon_after_the_first_calibration_is_told_and_relearned() {
     run(&mut world, &mut aided, 100);
     world.hard_iron_ut += MAGNET_UT;
     run(&mut world, &mut aided, 800);
-    assert_eq!(aided.event.map(|event| event.kind), Some(EventKind::DeviceStep));
+    assert_eq!(aided.changes.event.map(|event| event.kind), Some(EventKind::DeviceStep));
     let error = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm();
     assert!(error < 2.5, "offset wrong by {error} uT");
 }
@@ -300,8 +300,8 @@ fn a_change_in_a_pause_is_found() {
                 let sigma = (output.filtered_covariance_ut2.unwrap().trace() / 2.0).sqrt() / filtered_ut.norm();
                 wrong_s += if status == Status::Tracking && error > 3.0 * sigma { 0.01 } else { 0.0 };
             }
-            assert!(step_ut > 0.0 || aided.event.is_none(), "{seed}: nothing had changed");
-            found += i32::from(aided.event.is_some());
+            assert!(step_ut > 0.0 || aided.changes.event.is_none(), "{seed}: nothing had changed");
+            found += i32::from(aided.changes.event.is_some());
         }
         assert!(found >= 10, "{samples} samples: {found} of 12 found");
         assert!(wrong_s < most_s, "{samples} samples: `Tracking` beyond three sigmas for {wrong_s} s of 180");

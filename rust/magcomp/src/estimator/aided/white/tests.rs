@@ -57,3 +57,20 @@ fn noise_is_learned_at_most_at_once_and_never_less_than_the_least() {
     }
     assert!(close(white.variance_ut2, 0.04), "{}", white.variance_ut2);
 }
+
+#[test]
+fn samples_and_means_of_frames_are_learned_apart() {
+    let tuning = Tuning::default();
+    let x = Filter::default().parts();
+    let (mut of_samples, mut of_means) = (White::new(&tuning), White::new(&tuning));
+    let one = Matrix3::identity();
+    for k in 0..2 {
+        of_samples.step(Some(&Vector3::repeat(f64::from(k))), &x, &one, DT_S, tuning.memory_s, &tuning);
+        of_means.step(Some(&Vector3::zeros()), &x, &one, DT_S, tuning.settled_s, &tuning);
+    }
+    let start = tuning.noise_start_ut.powi(2);
+    // |(1, 1, 1)|^2 / 6; the means are all zero
+    let sample = start + DT_S / tuning.memory_s * (0.5 - start);
+    let mean = start * (1.0 - DT_S / tuning.settled_s);
+    assert!(close(of_samples.variance_ut2(), sample) && close(of_means.variance_ut2(), mean));
+}
