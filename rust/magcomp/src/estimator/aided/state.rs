@@ -16,7 +16,7 @@ use core::ops::Range;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField as _;
 
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{ArrayStorage, Matrix3, SMatrix, SVector, Vector3};
 
 use crate::ellipsoid::FitError;
 use crate::math::gaussian::{Gaussian, Held, Part};
@@ -158,9 +158,13 @@ pub(crate) fn covariance<const N: usize, const R: usize>(
     p: impl Fn(usize, usize) -> f64,
     linear: impl Fn(&Parts) -> SVector<f64, R>,
 ) -> SMatrix<f64, N, R> {
-    let mut to = SMatrix::<f64, N, R>::zeros();
+    // columns of numbers, one state after the other: vector units take several states at once
+    let mut to = [[0.0; N]; R];
     for k in 0..N {
-        to.row_mut(k).tr_copy_from(&linear(&Parts::of(|i| p(k, i))));
+        let numbers = linear(&Parts::of(|i| p(k, i)));
+        for r in 0..R {
+            to[r][k] = numbers[r];
+        }
     }
-    to
+    SMatrix::from_data(ArrayStorage(to))
 }
