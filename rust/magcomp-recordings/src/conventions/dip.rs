@@ -24,6 +24,8 @@ const OTHER: f64 = 0.42;
 /// Field samples that the ellipsoid is fitted to.
 const FITTED: usize = 2000;
 const STANDARD_G: f64 = 9.80665;
+/// A dip of a smaller size has no sign.
+pub(super) const LEAST_DIP_DEG: f64 = 20.0;
 
 /// The corrected field at each of its times: about the centre that the gyroscope tells, else about that of an ellipsoid.
 pub(super) fn corrected(field: &Series, centre: Option<Vector3<f64>>) -> Option<Series> {

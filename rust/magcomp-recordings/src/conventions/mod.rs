@@ -6,18 +6,18 @@
 mod axes;
 mod dip;
 mod finding;
+mod questions;
 mod samples;
 mod tested;
 mod windows;
 
 use axes::{Askew, Fits, typed};
-use dip::{Angle, angle, corrected, dip_deg};
+use dip::{Angle, LEAST_DIP_DEG, angle, corrected, dip_deg};
 use finding::Add;
-pub use finding::Weight;
-use magcomp::nalgebra::{Matrix3, UnitQuaternion, Vector3};
-use serde::Serialize;
+pub use finding::{Conventions, Finding, Streams, Weight};
+use magcomp::nalgebra::{Matrix3, Vector3};
+use questions::Seen;
 pub use tested::{Answer, Tested};
-use tested::{SIGN, Seen};
 use windows::{Event, Series, Turns, fit, median, windows};
 
 /// Seconds of a window of the field, and of gravity, whose ends are averaged over as long.
@@ -42,69 +42,8 @@ const SHARP: f64 = 0.8;
 const VERY_SHARP: f64 = 0.3;
 /// The parts agree on a delay to this, s.
 const AGREE_S: f64 = 0.015;
-/// A dip of a smaller size has no sign.
-const LEAST_DIP_DEG: f64 = 20.0;
 /// Share of the rows in which a phone faces down or hangs upside down, from which on that is odd.
 const ODD: f64 = 0.6;
-
-/// One thing that was found, in a sentence with the option that mends it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Finding {
-    /// Its kind: gyroscope_unit, field_axes and so on.
-    pub kind: &'static str,
-    /// How much it says.
-    pub weight: Weight,
-    /// The sentence.
-    pub text: String,
-}
-
-/// What was found, and what it was found by.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Conventions {
-    /// What was found; nothing where nothing is amiss.
-    pub findings: Vec<Finding>,
-    /// What was tested, and what could not be.
-    pub tested: Vec<Tested>,
-    /// Size of the field about the centre that the gyroscope tells, uT.
-    pub radius_ut: Option<f64>,
-    /// The field's angle below the horizon about that centre, degrees.
-    pub dip_deg: Option<f64>,
-    /// How late the field is behind the gyroscope, s.
-    pub field_delay_s: Option<f64>,
-}
-
-/// The events of a recording's sensors, time in ns: uT, m/s^2, rad/s, device to east-north-up.
-#[derive(Clone, Copy, Debug)]
-pub struct Streams<'a> {
-    /// The raw field.
-    pub field: &'a [(i64, Vector3<f64>)],
-    /// The accelerometer.
-    pub up: &'a [(i64, Vector3<f64>)],
-    /// The gyroscope.
-    pub rate: &'a [(i64, Vector3<f64>)],
-    /// A reference orientation.
-    pub attitude: &'a [(i64, UnitQuaternion<f64>)],
-}
-
-impl Conventions {
-    /// With the dip that the place's model has, degrees: its sign proves that of the accelerometer.
-    pub fn judge_sign(&mut self, model_deg: f64) {
-        let Some(dip_deg) = self.dip_deg.filter(|dip_deg| dip_deg.abs().min(model_deg.abs()) > LEAST_DIP_DEG) else {
-            return;
-        };
-        self.findings.retain(|finding| finding.kind != "dip_sign" && finding.kind != "accelerometer_sign");
-        self.tested.retain(|tested| tested.what != SIGN);
-        let is_wrong = dip_deg * model_deg < 0.0;
-        self.tested.push(Tested::of(SIGN, is_wrong, true, "by the dip that the place has", ""));
-        if is_wrong {
-            let text = format!(
-                "the dip is {dip_deg:.0} deg, and the place has {model_deg:.0}: the acceleration is of Apple's sign: --units a=-m/s2 (or the \
-                 magnetometer's axes are all turned round: --frame m=-x,-y,-z)"
-            );
-            self.findings.insert(0, Finding { kind: "accelerometer_sign", weight: Weight::Fault, text });
-        }
-    }
-}
 
 fn series(events: &[(i64, Vector3<f64>)], start_ns: i64) -> Series {
     let finite = |(_, value): &&(i64, Vector3<f64>)| value.iter().all(|part| part.is_finite());

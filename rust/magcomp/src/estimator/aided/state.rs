@@ -158,8 +158,9 @@ pub(crate) fn covariance<const N: usize, const R: usize>(
     p: impl Fn(usize, usize) -> f64,
     linear: impl Fn(&Parts) -> SVector<f64, R>,
 ) -> SMatrix<f64, N, R> {
-    // columns of numbers, one state after the other: vector units take several states at once
     let mut to = [[0.0; N]; R];
+    // columns of numbers, one state after the other: vector units take several states at once
+    #[expect(clippy::needless_range_loop, reason = "k and r are places in every column")]
     for k in 0..N {
         let numbers = linear(&Parts::of(|i| p(k, i)));
         for r in 0..R {
