@@ -105,7 +105,7 @@ impl Filter {
         let (raw_ut, sigma_ut) = (step.raw_ut, step.sigma_ut);
         let model = Model::of(&self.parts(), &step.delayed_rad_s, step.late_s);
         let bilinear_ut2 = if tuning.second_order { self.second_order() } else { Vector3::zeros() };
-        let ph = covariance::<STATES, 3>(|k, i| self.covariance.data.0[i][k], |dx| model.times(dx));
+        let ph = covariance::<STATES, 3>(|k, i| self.covariance[(k, i)], |dx| model.times(dx));
         let s = covariance::<3, 3>(|k, i| ph[(i, k)], |dx| model.times(dx))
             + Matrix3::from_diagonal(&bilinear_ut2.add_scalar(sigma_ut * sigma_ut));
         let l = s.cholesky()?.unpack();

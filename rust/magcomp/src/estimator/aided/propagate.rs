@@ -18,7 +18,7 @@ use crate::math::elementary::exp;
 use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, Vector3, Vector6};
 
-use super::state::{BIAS, FIELD, Filter, HARD_IRON, LOCAL, Parts, STATES, covariance};
+use super::state::{BIAS, FIELD, Filter, HARD_IRON, LOCAL, Parts, STATES};
 use crate::math::turn::Turn;
 
 /// Data sheet: q_g, angle random walk of a gyroscope, rad/s^0.5: 1e-4 to 3e-4.
@@ -95,8 +95,10 @@ impl Filter {
         let p = &mut self.covariance;
         let places = || FIELD.range().chain(LOCAL.range());
         // P F^T: in each row the numbers of m and d; what d has in common with others fades, and ends before it costs more than a number
-        let columns = covariance::<STATES, 6>(|k, i| p.data.0[i][k], |dx| times(*dx));
-        places().zip(columns.column_iter()).for_each(|(i, column)| p.set_column(i, &column.map(faded)));
+        for k in 0..STATES {
+            let row = times(Parts::of(|i| p[(k, i)])).map(faded);
+            places().zip(&row).for_each(|(i, value)| p[(k, i)] = *value);
+        }
         // F (P F^T): the rows of m and d, which but for their own columns are the columns mirrored
         for k in places() {
             let column = times(Parts::of(|i| p[(i, k)]));

@@ -16,7 +16,7 @@ use core::ops::Range;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField as _;
 
-use nalgebra::{ArrayStorage, Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use crate::ellipsoid::FitError;
 use crate::math::gaussian::{Gaussian, Held, Part};
@@ -158,14 +158,9 @@ pub(crate) fn covariance<const N: usize, const R: usize>(
     p: impl Fn(usize, usize) -> f64,
     linear: impl Fn(&Parts) -> SVector<f64, R>,
 ) -> SMatrix<f64, N, R> {
-    let mut to = [[0.0; N]; R];
-    // columns of numbers, one state after the other: vector units take several states at once
-    #[expect(clippy::needless_range_loop, reason = "k and r are places in every column")]
+    let mut to = SMatrix::<f64, N, R>::zeros();
     for k in 0..N {
-        let numbers = linear(&Parts::of(|i| p(k, i)));
-        for r in 0..R {
-            to[r][k] = numbers[r];
-        }
+        to.row_mut(k).tr_copy_from(&linear(&Parts::of(|i| p(k, i))));
     }
-    SMatrix::from_data(ArrayStorage(to))
+    to
 }
