@@ -369,10 +369,6 @@ def half(result):
     return next(one for one in result["normalisations"] if one["normalisation"] == "HalfRange")
 
 
-def even(result):
-    return next(one for one in result["normalisations"] if one["normalisation"] != "HalfRange")
-
-
 def steady(one):
     return [parameter["steady_percent"]["mean"] for parameter in one["parameters"]]
 
@@ -432,13 +428,6 @@ def paper(pages):
     diagonal = lambda snr: [row["algebraic"][0] for row in bound if row["snr_db"] == snr]
     pages.sentence(page, "corrected: {:.2f} to {:.2f} of the bound in all groups. (10) as written, in the diagonal of M: {:.2f} to {:.2f} at 40 dB and {:.2f} to "
                    "{:.2f} at 35 dB", [f(values) for values in (ratios, diagonal(40.0), diagonal(35.0)) for f in (min, max)])
-    usual_page = "docs/dev/METHOD-PAPER.md"
-    pages.sentence(usual_page, "| sigma_T, N | {:.2f}, {:.0f} |", [usual["sigma_t"]["mean"], usual["window"]["mean"]])
-    pages.sentence(usual_page, "| after {:.0f} +- {:.0f} samples", slowest(usual))
-    pages.sentence(usual_page, "| {:.0f} +- {:.0f} samples | |", slowest(algebraic))
-    pages.sentence(usual_page, "| {:.2f} %, with the algebraic residual {:.2f} %", [max(steady(usual)), max(steady(algebraic))])
-    small = magcomp("step", "--set", "small")
-    pages.sentence(usual_page, "| {:.1f} % (`HalfRange`), {:.1f} % (`EvenSphere`)", [max(steady(half(small))), max(steady(even(small)))])
 
 
 def aided(pages):
