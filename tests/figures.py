@@ -319,7 +319,6 @@ def cost(pages):
         ("docs/GUIDE.md", r"[\d ]+(?= instructions a sample at 100 Hz)", instructions),
         ("README.md", r"(?<=nearer north, for ).*(?= of the work)", share),
         ("docs/COMPARISON.md", r"(?<=takes )an? \w+(?= of the work)", share),
-        ("docs/GUIDE.md", r"(?<=on the raw field costs )an? \w+", share),
     ):
         found = re.search(pattern, pages.text(name))
         if found is None:
