@@ -94,18 +94,15 @@ def data(pages, name):
 
 
 def limits(pages):
-    """LIMITS's table takes its figures from the line of docs/data/evaluation.csv that its last column names."""
-    lines, part = data(pages, EVALUATION), ""
-    alone = "Magnetometer and accelerometer, no gyroscope"
+    """LIMITS's table takes its figures from the line of docs/data/evaluation.csv whose name its last column has."""
+    lines = data(pages, EVALUATION)
     for row in pages.text("docs/LIMITS.md").splitlines():
-        part = row[3:] if row.startswith("## ") else part
         if not row.startswith("| ") or row.startswith("| situation"):
             continue
         situation, *_, helps, name = cells(row)
-        is_alone = part == "Without a gyroscope"
-        found = [line for line in lines if line["situation"] == name and (line["group"] == alone) == is_alone]
+        found = [line for line in lines if line["name"] == name.strip("`")]
         if len(found) != 1:
-            pages.wrong.append(f"docs/LIMITS.md: {EVALUATION} has {len(found)} lines {name!r}")
+            pages.wrong.append(f"docs/LIMITS.md: {EVALUATION} has {len(found)} lines {name}")
             continue
         shown = [found[0][key] or "-" for key in ("error_median_deg", "error_worst_deg", "answered_percent")]
         within = found[0]["within_2_sigma_percent"]
