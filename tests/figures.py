@@ -313,7 +313,7 @@ def cost(pages):
     instructions, share = f"{int(row[1]):,}".replace(",", " "), SHARES.get(round(float(row[2])), "?")
     for name, pattern, says in (
         ("README.md", r"(?<=A sample costs )[\d ]+(?= instructions)", instructions),
-        ("docs/GUIDE.md", r"[\d ]+(?= instructions a sample at 100 Hz)", instructions),
+        ("docs/GUIDE.md", r"\d[\d ]*(?= instructions a sample at 100 Hz)", instructions),
         ("README.md", r"(?<=nearer north, for ).*(?= of the work)", share),
         ("docs/COMPARISON.md", r"(?<=takes )an? \w+(?= of the work)", share),
     ):
