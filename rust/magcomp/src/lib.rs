@@ -40,7 +40,7 @@
 //!
 //! # Where each equation lives
 //!
-//! Files are those of `src/`. Each opens with its equations and their source; `docs/dev/METHOD.md` derives them. For our two estimators the
+//! Files are those of `src/`. Each opens with its equations and their source; `docs/dev/METHOD.md` has the reasons. For our two estimators the
 //! headings of `docs/dev/METHOD-AIDED.md` and `docs/dev/METHOD-ADAPTIVE.md` name the file of each equation.
 //!
 //! | equation, idea | item | file |

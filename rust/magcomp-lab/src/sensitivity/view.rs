@@ -111,18 +111,17 @@ pub(super) fn page(found: &Found<'_>) -> Table {
         .filter(|row| row.moves.iter().any(|it| !it.moved().is_empty()))
         .for_each(|row| table.row(cells(row)));
     table.note(&format!(
-        "A row: a choice halved / doubled, the estimator without the mechanism, or without two, against the usual one; with the gyroscope, or from magnetometer \
-         and accelerometer alone, where a recording is begun at 0, 3, 6, 9 and 12 s. Of two mechanisms: what leaving out both changes beyond the sum of what each \
-         does. Only rows are here of which a figure moves by more than {MOVED} times its noise, and by 1 %; that of the group that moves most by \
-         {MOVED_IN_A_GROUP} times. By chance one figure in twenty does. All figures of all rows: docs/data/tuning.csv.",
+        "A row: a choice halved / doubled, the estimator without the mechanism, or without two, against the usual one. Of two: what leaving out both changes \
+         beyond the sum of what each does. The magnetometer alone begins each recording at 0, 3, 6, 9 and 12 s. A row is here if a figure moves by more than \
+         {MOVED} times its noise, and by 1 %; that of the group that moves most by {MOVED_IN_A_GROUP} times. By chance one figure in twenty does. All rows: \
+         docs/data/tuning.csv.",
     ));
     table.note(
-        "All is judged from 20 s on. error: of the published heading, root mean square of each stream, a recording's but for one constant, at most 30 deg, \
-         which counts where there is none; geometric mean. z2: mean square of error over sigma, 1 where sigma is right; geometric mean. recorded: of the \
-         recordings; false steps: their device steps an hour that no magnet explains; worst: the largest error of a recording's heading with the \
-         constant left in, deg. magnets: put on those recordings that have none (arithmetic, not a real magnet), from 5 s after the change on; their \
-         steps: missed, told again or false, an hour. After +-: the noise of the change, by streams that differ in their seed alone, or by recordings; of the \
-         worst, how far the third worst is from it.",
+        "All is judged from 20 s on. error: root mean square of a stream's published heading, of a recording but for one constant, at most 30 deg, which counts \
+         where there is none; geometric mean. z2: mean square of error over sigma, 1 where sigma is right; geometric mean. recorded: of the recordings; false \
+         steps: their device steps an hour that no magnet explains; worst: the largest error with the constant left in. magnets: put on those recordings that \
+         have none (arithmetic), from 5 s after the change on; their steps: missed, told again or false, an hour. After +-: the noise of the change, by streams \
+         that differ in their seed alone, or by recordings; of the worst, how far the third worst is from it.",
     );
     table
 }
@@ -145,8 +144,8 @@ fn summary(rows: &[Row]) -> String {
         format!("{}{list}", names.len())
     };
     format!(
-        "{} choices, {} mechanisms that can be switched off and {} pairs of these that read the same state were tried. Nothing anywhere is moved by {} of the \
-         choices and {} of the mechanisms; {} of the pairs do no more than the sum of both.",
+        "Tried were {} choices, {} mechanisms that can be switched off and {} pairs of these that read the same state. {} of the choices and {} of the \
+         mechanisms move nothing; {} of the pairs do no more than the sum of both.",
         of("choice").count(),
         of("mechanism").count(),
         of("pair").count(),
@@ -256,7 +255,7 @@ fn cells(row: &Row) -> Vec<String> {
     let what = match row.subject {
         Subject::Choice(choice) => choice.meaning,
         Subject::Mechanism(mechanism) => mechanism.meaning,
-        Subject::Pair(..) => "both off beyond the sum of each",
+        Subject::Pair(..) => "",
     };
     let words: Vec<&str> = what.split_whitespace().collect();
     let what = words[..words.len().min(WORDS)].join(" ");
@@ -340,8 +339,8 @@ mod tests {
             row(part, pair, Way::Alone, &[0.0]),
         ];
         let expected = format!(
-            "2 choices, 1 mechanisms that can be switched off and 1 pairs of these that read the same state were tried. Nothing anywhere is moved by 1 ({} {}) \
-             of the choices and 0 of the mechanisms; 1 of the pairs do no more than the sum of both.",
+            "Tried were 2 choices, 1 mechanisms that can be switched off and 1 pairs of these that read the same state. 1 ({} {}) of the choices and 0 of the \
+             mechanisms move nothing; 1 of the pairs do no more than the sum of both.",
             second.0,
             second.1.name()
         );

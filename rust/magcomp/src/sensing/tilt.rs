@@ -31,7 +31,7 @@ const LARGEST: f64 = 1.0;
 const NOISE: f64 = 0.02;
 /// Choice: memory of what motion adds to gravity, s: two steps of a pedestrian; and for how long a device turns about the same axis.
 pub(super) const TILT_S: f64 = 1.0;
-/// Choice: t_m, s: half a step of a pedestrian (walks with motion capture, docs/dev/METHOD.md).
+/// Choice: t_m, s: half a step of a pedestrian (walks with motion capture, docs/dev/DECISIONS.md).
 const MOTION_S: f64 = 0.25;
 /// Choice: how much more of it, in squares, lies along a horizontal axis than along gravity: the same walks.
 const ACROSS: f64 = 2.0;
