@@ -3,15 +3,15 @@
 use assert_cmd::Command;
 use magcomp::nalgebra::{UnitQuaternion, Vector3};
 use magcomp::{Config, EventKind, HeadingConfig, ReferenceAxis, Status};
-use magcomp_lab::atomic::write_atomically;
 use magcomp_lab::catalogue::{Place, Variant, find};
 use magcomp_lab::course::{Course, DevicePart};
 use magcomp_lab::parallel::cores;
 use magcomp_lab::parameters::Parameters;
-use magcomp_lab::replay::{Ignore, Step, replay};
 use magcomp_lab::simulate::Noise;
 use magcomp_lab::trials::{Score, Trials, judge_folder};
 use magcomp_recordings::recording::{Recording, read, write_recording};
+use magcomp_replay::atomic::write_atomically;
+use magcomp_replay::{Ignore, Step, replay};
 use serde_json::Value;
 use std::fs;
 use std::num::NonZeroUsize;

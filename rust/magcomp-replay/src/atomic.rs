@@ -1,6 +1,6 @@
 //! Writing: beside the name first, then moved into place, so that a run that fails or is ended by a signal leaves no half file.
 
-use crate::error::LabError;
+use crate::error::RunError;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use std::collections::BTreeSet;
@@ -88,7 +88,7 @@ enum Content {
 
 impl AtomicFile {
     /// Begins to write `path`.
-    pub fn create(path: &Path) -> Result<Self, LabError> {
+    pub fn create(path: &Path) -> Result<Self, RunError> {
         let begin = || -> io::Result<Target> {
             match fs::metadata(path) {
                 Ok(there) if there.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
@@ -127,7 +127,7 @@ impl AtomicFile {
             unfinished.insert(temporary.path().to_owned());
             Ok((Box::new(temporary.as_file().try_clone()?), Some((temporary, path))))
         };
-        let (target, temporary) = begin().map_err(LabError::write(path))?;
+        let (target, temporary) = begin().map_err(RunError::write(path))?;
         let target = BufWriter::new(target);
         let content = if path.extension().is_some_and(|extension| extension == "gz") {
             Content::Zipped(GzEncoder::new(target, Compression::default()))
@@ -138,16 +138,16 @@ impl AtomicFile {
     }
 
     /// Writes through `content`.
-    pub fn write(&mut self, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), LabError> {
+    pub fn write(&mut self, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), RunError> {
         let written = match &mut self.content {
             Content::Plain(out) => content(out),
             Content::Zipped(out) => content(out),
         };
-        written.map_err(LabError::write(&self.path))
+        written.map_err(RunError::write(&self.path))
     }
 
     /// Moves it into place.
-    pub fn finish(self) -> Result<(), LabError> {
+    pub fn finish(self) -> Result<(), RunError> {
         let finish = || -> io::Result<()> {
             let mut target = match self.content {
                 Content::Plain(target) => target,
@@ -162,12 +162,12 @@ impl AtomicFile {
             }
             Ok(())
         };
-        finish().map_err(LabError::write(&self.path))
+        finish().map_err(RunError::write(&self.path))
     }
 }
 
 /// Writes `path` through `content`, as an [`AtomicFile`].
-pub fn write_atomically(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), LabError> {
+pub fn write_atomically(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), RunError> {
     let mut file = AtomicFile::create(path)?;
     file.write(content)?;
     file.finish()

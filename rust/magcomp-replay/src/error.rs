@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// Why the command failed. Each is one line.
 #[derive(Debug, thiserror::Error)]
-pub enum LabError {
+pub enum RunError {
     /// An input could not be read.
     #[error(transparent)]
     Recording(#[from] RecordingError),
@@ -43,7 +43,7 @@ pub enum LabError {
     },
 }
 
-impl LabError {
+impl RunError {
     /// For `map_err` on writing `path`.
     pub fn write(path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_owned();

@@ -1,55 +1,35 @@
-//! A recording through the compensator, row by row.
+//! A recording through the compensator, row by row, and what it comes to: what a user of the command and the page in a browser (`web/`) have.
+//!
+//! Recordings and loggers' sessions come from the crate `magcomp-recordings`. `play` gives the rows to a compensator, `judge` finds how good it was,
+//! `say` puts that into words, `draw` into pictures; `outcome` does all of it. `table`, `plot` and `report` show any results, the laboratory's too.
+//! In a browser there are no verbs.
 
-mod absolute;
-mod changes;
-mod circle;
-mod directions;
-mod explain;
-mod export;
-mod figures;
-mod figures_view;
+pub mod atomic;
+pub mod beside;
+#[cfg(not(target_family = "wasm"))]
+pub mod command;
+mod draw;
+pub mod error;
 mod judge;
-mod judgement;
-mod known;
-mod legs;
-mod level;
-mod offset_view;
 mod outcome;
-mod output;
-mod player;
-mod sentences;
-mod sphere;
-mod sphere_view;
-mod square;
-mod told;
-mod turns;
-mod vectors;
-mod verdict;
-mod view;
+mod play;
+pub mod plot;
+#[cfg(not(target_family = "wasm"))]
+pub mod progress;
+pub mod report;
+mod say;
+pub mod statistics;
+pub mod table;
 
-pub use absolute::AbsoluteHeading;
-#[cfg(not(target_family = "wasm"))]
-pub(crate) use absolute::reference_heading_deg;
-pub use changes::{Declared, DeviceChange, PlaceDiffered};
-pub use circle::HeadingError;
-#[cfg(not(target_family = "wasm"))]
-pub(crate) use circle::off_deg;
-pub use directions::Kinds;
-#[cfg(not(target_family = "wasm"))]
-pub(crate) use directions::azimuth_deg;
-pub use explain::{write_explain_header, write_explanation};
-pub use export::{calibration_json, write_calibration};
-pub use figures::{Figures, figures};
-pub use judge::{Judge, judge, usual_part};
-pub use judgement::{Disturbance, Judgement};
-pub use known::KnownHeading;
-pub use legs::{LegJudgement, Legs, Waypoint, read_waypoints};
-pub use offset_view::offset_picture;
+pub use draw::{Figures, figures, offset_picture};
+pub use judge::{
+    AbsoluteHeading, Bearing, BearingTold, Bearings, Declared, DeviceChange, Disturbance, HeadingError, Judge,
+    Judgement, Kinds, KnownHeading, LegJudgement, Legs, Mark, MarkTold, PlaceDiffered, TurnJudgement, Vectors,
+    VectorsJudge, Waypoint, azimuth_deg, judge, off_deg, read_waypoints, reference_heading_deg, usual_part,
+};
 pub use outcome::{Gathering, Known, Outcome, session_table};
-pub use output::{write_header, write_row};
-pub use player::{Courses, Ignore, Player, Step, replay, replay_with};
-pub use told::{Bearing, BearingTold, Bearings, Mark, MarkTold};
-pub use turns::TurnJudgement;
-pub use vectors::{Vectors, VectorsJudge};
-pub use verdict::{Grade, Place, Played, Verdict, verdicts_table};
-pub use view::table;
+pub use play::{
+    Courses, Ignore, Player, Step, calibration_json, replay, replay_with, write_calibration, write_explain_header,
+    write_explanation, write_header, write_row,
+};
+pub use say::{Grade, Place, Played, Verdict, table, verdicts_table};

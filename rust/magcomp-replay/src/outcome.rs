@@ -1,15 +1,15 @@
 //! What a replay comes to, for whoever plays it: the command, the page in a browser.
 
-use super::figures::Figures;
-use super::judge::Judge;
-use super::judgement::Judgement;
-use super::legs::{Legs, Waypoint};
-use super::player::{Courses, Step};
-use super::told::{Bearing, Bearings, Mark};
-use super::verdict::Verdict;
-use super::view::table;
-use crate::error::LabError;
+use crate::draw::Figures;
+use crate::error::RunError;
+use crate::judge::Judge;
+use crate::judge::Judgement;
+use crate::judge::{Bearing, Bearings, Mark};
+use crate::judge::{Legs, Waypoint};
+use crate::play::{Courses, Step};
 use crate::report::Report;
+use crate::say::Verdict;
+use crate::say::table;
 use crate::table::{Table, number};
 use magcomp::{Explanation, ReferenceAxis};
 use magcomp_recordings::conventions::Conventions;
@@ -103,7 +103,7 @@ pub struct Outcome {
 
 impl Outcome {
     /// As a page, with the pictures where they were drawn.
-    pub fn report(self) -> Result<Report, LabError> {
+    pub fn report(self) -> Result<Report, RunError> {
         let rule =
             "Every sample went through the compensator in order; nothing later than a sample went into its answer.";
         let verdict = &self.verdict;
@@ -119,7 +119,7 @@ impl Outcome {
         if !rest.is_empty() {
             report.folded("In figures", |report| {
                 rest.iter().for_each(|sentence| report.text(sentence));
-                Ok::<(), LabError>(())
+                Ok::<(), RunError>(())
             })?;
         }
         self.figures.map_or(Ok(()), |figures| figures.finish(&mut report, "replay", &self.recording))?;

@@ -1,15 +1,14 @@
 //! Progress on standard error of work that takes a while: a bar on a terminal, elsewhere a line each ten seconds.
 
-use crate::parallel;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
-use std::num::NonZeroUsize;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 /// Time between two lines.
 const LINE: Duration = Duration::from_secs(10);
 
+/// How far it is.
 pub struct Progress {
     bar: ProgressBar,
     what: &'static str,
@@ -25,23 +24,6 @@ pub fn bar(steps: usize, what: &'static str) -> Progress {
     }
     let written = (!std::io::stderr().is_terminal()).then(|| Mutex::new(Instant::now()));
     Progress { bar: bar.with_message(what), what, written }
-}
-
-/// What `of` makes of each item, as [`parallel::map`], a step for each.
-pub fn map<T: Sync, R: Send>(
-    what: &'static str,
-    items: &[T],
-    threads: NonZeroUsize,
-    of: impl Fn(&T) -> R + Sync,
-) -> Vec<R> {
-    let bar = bar(items.len(), what);
-    let made = parallel::map(items, threads, |item| {
-        let made = of(item);
-        bar.inc(1);
-        made
-    });
-    bar.finish_and_clear();
-    made
 }
 
 impl Progress {

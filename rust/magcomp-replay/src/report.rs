@@ -1,7 +1,7 @@
 //! A report: SVG files in a folder and one HTML page that shows them, with the command that made it; or one page with all in it.
 
 use crate::atomic::write_atomically;
-use crate::error::LabError;
+use crate::error::RunError;
 use crate::table::Table;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -105,7 +105,7 @@ impl Report {
     }
 
     /// The same with what `add` adds.
-    pub fn with(mut self, add: impl FnOnce(&mut Self) -> Result<(), LabError>) -> Result<Self, LabError> {
+    pub fn with(mut self, add: impl FnOnce(&mut Self) -> Result<(), RunError>) -> Result<Self, RunError> {
         add(&mut self)?;
         Ok(self)
     }
@@ -209,8 +209,8 @@ impl Report {
     }
 
     /// Writes the pictures and `index.html` into `folder`, which is made where it is missing. Returns the page's path.
-    pub fn write(&self, folder: &Path) -> Result<PathBuf, LabError> {
-        std::fs::create_dir_all(folder).map_err(LabError::write(folder))?;
+    pub fn write(&self, folder: &Path) -> Result<PathBuf, RunError> {
+        std::fs::create_dir_all(folder).map_err(RunError::write(folder))?;
         for (name, content) in self.body.iter().filter_map(Part::file) {
             write_atomically(&folder.join(name), |out| out.write_all(content.as_bytes()))?;
         }
@@ -352,8 +352,8 @@ mod tests {
         // a button is the accent with the card's colour on it
         pairs(STYLE, &["card"], 4.5, &["accent"]);
         pairs(STYLE, &["good", "doubtful", "bad"], 3.0, &["paper", "card"]);
-        pairs(include_str!("replay/sphere.html"), &["ink", "soft"], 4.5, &["paper"]);
-        pairs(include_str!("replay/sphere.html"), &["fixed"], 3.0, &["paper"]);
+        pairs(include_str!("draw/sphere.html"), &["ink", "soft"], 4.5, &["paper"]);
+        pairs(include_str!("draw/sphere.html"), &["fixed"], 3.0, &["paper"]);
     }
 
     #[test]
@@ -384,7 +384,7 @@ mod tests {
         report
             .folded("more <of it>", |report| {
                 report.text("inside");
-                Ok::<(), LabError>(())
+                Ok::<(), RunError>(())
             })
             .unwrap();
         report.table(&Table::new("table", &["a", "b"]));

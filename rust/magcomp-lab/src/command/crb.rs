@@ -1,11 +1,11 @@
 //! `magcomp crb`.
 
-use super::common::{Common, finite};
-use crate::error::LabError;
 use crate::experiment::bound::{BoundOptions, SAMPLES, SNR_DB, run};
 use crate::parameters::{ParameterSet, TrueParameters};
-use crate::report::Report;
 use clap::{Args, value_parser};
+use magcomp_replay::command::{Common, finite};
+use magcomp_replay::error::RunError;
+use magcomp_replay::report::Report;
 
 /// Fig. 2: error of the ellipsoid fit over the Cramer-Rao bound.
 #[derive(Debug, Args)]
@@ -30,7 +30,7 @@ pub(super) struct Crb {
 }
 
 impl Crb {
-    pub fn run(self) -> Result<(), LabError> {
+    pub fn run(self) -> Result<(), RunError> {
         let options = BoundOptions {
             truth: self.truth.parameters(ParameterSet::Ref)?,
             runs: self.runs as usize,

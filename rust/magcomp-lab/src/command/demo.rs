@@ -1,18 +1,18 @@
 //! `magcomp demo`: a magnet put on a real sensor, then simulated phones, then the paper's experiment, and a report of all.
 
-use super::common::Common;
-use crate::error::LabError;
 use crate::experiment::follow::{self, FollowOptions, FollowResult};
 use crate::experiment::put_on::{middle_s, with_magnet};
 use crate::experiment::step::{StepOptions, StepResult, run as run_step};
 use crate::experiment::story::{Story, Told};
 use crate::motion::Motion;
-use crate::replay::{Ignore, figures, offset_picture, replay};
-use crate::report::Report;
-use crate::table::{Table, number};
 use clap::{Args, value_parser};
 use magcomp::Config;
 use magcomp_recordings::recording::{self, Recording};
+use magcomp_replay::command::Common;
+use magcomp_replay::error::RunError;
+use magcomp_replay::report::Report;
+use magcomp_replay::table::{Table, number};
+use magcomp_replay::{Ignore, figures, offset_picture, replay};
 use serde::Serialize;
 use std::ops::Range;
 use std::path::Path;
@@ -78,7 +78,7 @@ struct Everything {
 }
 
 impl Demo {
-    pub fn run(mut self) -> Result<(), LabError> {
+    pub fn run(mut self) -> Result<(), RunError> {
         self.common.report.get_or_insert_with(|| FOLDER.into());
         let say = |what: &str| eprintln!("magcomp: {what} ...");
         say("1 of 3, recordings of a real sensor");

@@ -1,20 +1,18 @@
 //! The verbs of the command.
 
-mod check;
 mod common;
 mod compare;
 mod crb;
 mod demo;
 mod evaluate;
-mod import;
-mod replay;
 mod sensitivity;
 mod simulate;
 mod step;
 
-use crate::error::LabError;
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
+use magcomp_replay::command::{Check, Import, Replay};
+use magcomp_replay::error::RunError;
 use std::io::{self, Write};
 
 /// A compass library for phones: it keeps pointing north when a magnet is put on the phone, and says how far off it may be.
@@ -37,9 +35,9 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 enum Verb {
     Demo(demo::Demo),
-    Import(import::Import),
-    Check(check::Check),
-    Replay(Box<replay::Replay>),
+    Import(Import),
+    Check(Check),
+    Replay(Box<Replay>),
     Step(step::Step),
     Crb(crb::Crb),
     Compare(compare::Compare),
@@ -57,7 +55,7 @@ enum Verb {
 
 impl Cli {
     /// Runs the verb.
-    pub fn run(self) -> Result<(), LabError> {
+    pub fn run(self) -> Result<(), RunError> {
         match self.verb {
             Verb::Demo(verb) => verb.run(),
             Verb::Import(verb) => verb.run(),

@@ -1,21 +1,21 @@
 //! `magcomp simulate`.
 
-use super::common::{Common, between, finite, refuse_outputs};
-use crate::atomic::write_atomically;
 use crate::course::{Course, DevicePart};
-use crate::error::LabError;
 use crate::inertial::InertialSensor;
 use crate::motion::Motion;
 use crate::parameters::{Numbers, ParameterSet, TrueParameters};
-use crate::plot::{Colour, Panel, Series, draw};
 use crate::random::{Purpose, Random};
-use crate::report::Report;
 use crate::simulate::{Magnetometer, Noise, Scenario, Simulation, Spikes, world_field_ut};
 use crate::surroundings::Surrounding;
-use crate::table::Table;
 use clap::{Args, ValueEnum};
 use magcomp::nalgebra::Vector3;
 use magcomp_recordings::recording::write_recording;
+use magcomp_replay::atomic::write_atomically;
+use magcomp_replay::command::{Common, between, finite, refuse_outputs};
+use magcomp_replay::error::RunError;
+use magcomp_replay::plot::{Colour, Panel, Series, draw};
+use magcomp_replay::report::Report;
+use magcomp_replay::table::Table;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -110,7 +110,7 @@ struct Summary {
 }
 
 impl Simulate {
-    pub fn run(self) -> Result<(), LabError> {
+    pub fn run(self) -> Result<(), RunError> {
         refuse_outputs(&[], &[("OUT.csv", &self.output)], self.common.report.as_deref())?;
         let scenario = self.scenario()?;
         let stream = scenario.run();
@@ -143,7 +143,7 @@ impl Simulate {
         })
     }
 
-    fn scenario(&self) -> Result<Scenario, LabError> {
+    fn scenario(&self) -> Result<Scenario, RunError> {
         let at_s = self.at.unwrap_or(self.seconds / 2.0);
         let start = self.truth.parameters(ParameterSet::Mid)?;
         let changed = start.times(self.factor);

@@ -1,16 +1,16 @@
 //! `magcomp step`.
 
-use super::common::{Common, between, finite};
 use crate::catalogue::{PhoneChange, Sensors, Variant, find, phone};
-use crate::error::LabError;
 use crate::experiment::follow::{self, FollowOptions};
-use crate::experiment::step::{NormalisationChoice, ResidualChoice, StepOptions, run};
+use crate::experiment::step::{StepOptions, run};
 use crate::motion::Motion;
 use crate::parameters::TrueParameters;
-use crate::report::Report;
 use crate::simulate::Noise;
 use clap::{Args, ValueEnum, value_parser};
 use magcomp::Method;
+use magcomp_replay::command::{Common, NormalisationChoice, ResidualChoice, between, finite};
+use magcomp_replay::error::RunError;
+use magcomp_replay::report::Report;
 
 /// The device's disturbance steps while it turns, and the methods follow.
 ///
@@ -88,7 +88,7 @@ enum StepMethod {
 }
 
 impl Step {
-    pub fn run(self) -> Result<(), LabError> {
+    pub fn run(self) -> Result<(), RunError> {
         let adaptive = self.method == Some(StepMethod::Adaptive);
         let of_figures = [
             ("--set", self.truth.set.is_some()),
@@ -119,7 +119,7 @@ impl Step {
         let given: Vec<&str> = strange.filter(|(_, given)| *given).map(|(name, _)| *name).collect();
         if !given.is_empty() {
             let why = "no such choice with this --motion and --method (see --help)";
-            return Err(LabError::Usage(format!("{}: {why}", given.join(", "))));
+            return Err(RunError::Usage(format!("{}: {why}", given.join(", "))));
         }
         match phone {
             Some(options) => self.aided(options),
@@ -128,7 +128,7 @@ impl Step {
         }
     }
 
-    fn adaptive(self) -> Result<(), LabError> {
+    fn adaptive(self) -> Result<(), RunError> {
         let of_motion = match self.motion {
             Motion::Tumble => "phone-hand",
             Motion::Walk => "phone-walk-known",
@@ -139,7 +139,7 @@ impl Step {
         };
         let variant = match self.scenario {
             Some(variant) => *variant,
-            None => find(of_motion).map_err(LabError::Usage)?.in_an_even_place(),
+            None => find(of_motion).map_err(RunError::Usage)?.in_an_even_place(),
         };
         Self::follow(
             &self.common,
@@ -152,7 +152,7 @@ impl Step {
         )
     }
 
-    fn aided(self, options: FollowOptions) -> Result<(), LabError> {
+    fn aided(self, options: FollowOptions) -> Result<(), RunError> {
         let mut variant =
             self.change.map_or(options.variant, |change| phone("step", self.motion, change).in_an_even_place());
         let exactly = |deg_s: f64| (deg_s, deg_s);
@@ -171,7 +171,7 @@ impl Step {
         Self::follow(&self.common, FollowOptions { variant, runs, seed: self.common.seed, ..options })
     }
 
-    fn follow(common: &Common, options: FollowOptions) -> Result<(), LabError> {
+    fn follow(common: &Common, options: FollowOptions) -> Result<(), RunError> {
         let result = follow::run(&options)?;
         common.finish(&result.tables(), &result, || {
             let lead = "Something changes for a simulated phone. Below the tables: the first method in the first run.";
@@ -179,7 +179,7 @@ impl Step {
         })
     }
 
-    fn windowed(self) -> Result<(), LabError> {
+    fn windowed(self) -> Result<(), RunError> {
         let defaults = StepOptions::default();
         let options = StepOptions {
             truth: self.truth,

@@ -2,14 +2,13 @@
 
 use super::answers;
 use crate::catalogue::{PhoneChange, Variant, phone};
-use crate::error::LabError;
 use crate::motion::Motion;
-use crate::parallel::cores;
-use crate::progress;
-use crate::replay::{Ignore, Step};
+use crate::parallel::{cores, map_shown};
 use crate::score::{Begin, Errors, Figures, Line, Runs, Settled, Stretch};
 use magcomp::Method;
 use magcomp_recordings::recording::Recording;
+use magcomp_replay::error::RunError;
+use magcomp_replay::{Ignore, Step};
 use serde::Serialize;
 
 /// Options of the experiment.
@@ -76,14 +75,14 @@ pub struct FollowResult {
     pub first: Option<(Recording, Vec<Step>)>,
 }
 
-pub fn run(options: &FollowOptions) -> Result<FollowResult, LabError> {
+pub fn run(options: &FollowOptions) -> Result<FollowResult, RunError> {
     let FollowOptions { variant, methods, runs, seed } = options;
     let jobs: Vec<usize> = (0..runs * methods.len()).collect();
-    let done = progress::map("step", &jobs, cores(), |k| {
+    let done = map_shown("step", &jobs, cores(), |k| {
         let (simulation, recording, steps) =
             answers(variant, seed.wrapping_add((k % runs) as u64), methods[k / runs], Ignore::default())?;
         let figures = Figures::of(&simulation, &steps);
-        Ok::<_, LabError>((figures, (*k == 0).then_some((recording, steps))))
+        Ok::<_, RunError>((figures, (*k == 0).then_some((recording, steps))))
     });
     let mut done: Vec<_> = done.into_iter().collect::<Result<_, _>>()?;
     let first = done.first_mut().and_then(|(_, picture)| picture.take());

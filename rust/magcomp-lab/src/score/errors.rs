@@ -1,9 +1,9 @@
 //! The errors of every sample of a run.
 
-use crate::replay::Step;
 use crate::simulate::{Simulation, Truth};
 use magcomp::Status;
 use magcomp::nalgebra::Vector3;
+use magcomp_replay::Step;
 
 /// Beyond so many sigmas a heading that is `Tracking` is a lie.
 const LIE_SIGMAS: f64 = 3.0;

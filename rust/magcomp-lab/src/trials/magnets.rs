@@ -12,16 +12,16 @@ use super::score::config;
 use super::tuned::{Folder, Trial};
 use crate::catalogue::{hash, symmetric};
 use crate::course::Course;
-use crate::error::LabError;
-use crate::progress;
+use crate::parallel::map_shown;
 use crate::random::{Purpose, Random};
-use crate::replay::{Ignore, Player, azimuth_deg, off_deg, reference_heading_deg};
 use crate::score::{Figures, Mode, Sample};
 use crate::simulate::{Change, ChangeKind};
-use crate::statistics::{median, rms};
 use magcomp::nalgebra::{Matrix3, Vector3};
 use magcomp::{Event, Method, ReferenceAxis, Tunings};
 use magcomp_recordings::recording::Row;
+use magcomp_replay::error::RunError;
+use magcomp_replay::statistics::{median, rms};
+use magcomp_replay::{Ignore, Player, azimuth_deg, off_deg, reference_heading_deg};
 use serde::Serialize;
 use std::num::NonZeroUsize;
 use std::ops::RangeInclusive;
@@ -160,17 +160,17 @@ pub struct MagnetTrials {
 /// [`super::judge_folder`].
 ///
 /// # Errors
-/// [`LabError::Recording`] names the file that is at fault; [`LabError::Usage`] where a magnet can be put on no recording.
+/// [`RunError::Recording`] names the file that is at fault; [`RunError::Usage`] where a magnet can be put on no recording.
 pub fn put_on_folder(
     folder: &Path,
     index: Option<&Path>,
     seeds: &RangeInclusive<u64>,
     ignore: Ignore,
     threads: NonZeroUsize,
-) -> Result<MagnetTrials, LabError> {
+) -> Result<MagnetTrials, RunError> {
     let path = folder;
     let folder = Folder::open(path, index)?;
-    let played = progress::map("magnets", &folder.paths, threads, |file| -> Result<_, LabError> {
+    let played = map_shown("magnets", &folder.paths, threads, |file| -> Result<_, RunError> {
         let trial = folder.read(file)?;
         if !trial.takes_magnets() {
             return Ok((Vec::new(), Some(format!("{}: left out, it has a magnet of its own", trial.name))));
@@ -192,7 +192,7 @@ pub fn put_on_folder(
     }
     if runs.is_empty() {
         let why = "a magnet can be put on no recording of this folder: each needs a minute, 100 headings before it, and none of its own (magnet_s)";
-        return Err(LabError::Usage(format!("{}: {why}", path.display())));
+        return Err(RunError::Usage(format!("{}: {why}", path.display())));
     }
     let groups = folder.groups.names().into_iter().map(str::to_owned).collect();
     Ok(MagnetTrials { label: LABEL, groups, runs, warnings })
@@ -212,7 +212,7 @@ impl Trial {
         magnet: &Magnet,
         seed: u64,
         (method, ignore, tunings): (Method, Ignore, Tunings),
-    ) -> Result<Option<MagnetScore>, LabError> {
+    ) -> Result<Option<MagnetScore>, RunError> {
         let player = Player::tuned(config(self.declination_deg), method, ignore, tunings)?;
         Ok(self.magnet_score(magnet, seed, player))
     }

@@ -5,16 +5,16 @@ use super::folder::{name_of, recordings, system_half};
 use super::groups::{Groups, Rule};
 use super::score::{GroupScore, Score, Summary, with_warnings};
 use crate::baseline::{Baseline, Contestant, Known};
-use crate::beside::read_table;
-use crate::error::LabError;
 use crate::experiment::compare_recording::{FIELD_UT, NOISE_UT, push_inertial};
 use crate::experiment::put_on::{Course, Heading, HeadingJudge};
-use crate::progress;
-use crate::replay::Ignore;
+use crate::parallel::map_shown;
 use magcomp::nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use magcomp::{Calibration, FitOptions, MagneticSample, Residual, fit_ellipsoid};
 use magcomp_recordings::import::{ImportOptions, open};
 use magcomp_recordings::recording::Row;
+use magcomp_replay::Ignore;
+use magcomp_replay::beside::read_table;
+use magcomp_replay::error::RunError;
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -164,14 +164,14 @@ impl EntryLine {
 
 impl Entry {
     /// Its answers to a recording; none where it has no file of that name.
-    fn answers(&self, recording: &str, rows: usize) -> Result<Option<Vec<EntryLine>>, LabError> {
+    fn answers(&self, recording: &str, rows: usize) -> Result<Option<Vec<EntryLine>>, RunError> {
         let Some(file) = csv_of(&self.folder, recording) else { return Ok(None) };
         let lines: Vec<EntryLine> = read_table(&file, "answers with the columns qw,qx,qy,qz or cx,cy,cz")?;
         if lines.len() == rows {
             return Ok(Some(lines));
         }
         let why = format!("{} rows for a recording of {rows}", lines.len());
-        Err(LabError::Usage(format!("{}: {why}", file.display())))
+        Err(RunError::Usage(format!("{}: {why}", file.display())))
     }
 }
 
@@ -187,17 +187,17 @@ pub fn compare_folder(
     index: Option<&Path>,
     entries: &[Entry],
     threads: NonZeroUsize,
-) -> Result<Comparison, LabError> {
+) -> Result<Comparison, RunError> {
     let paths = recordings(folder)?;
     let groups = Groups::of(folder, index)?;
-    let both = progress::map("compare", &paths, threads, |path| {
+    let both = map_shown("compare", &paths, threads, |path| {
         let (score, warnings) = Score::of(path, &groups, Ignore::default())?;
         let ours = Compared {
             within_two_sigma: score.figures["within_two_sigma"],
             device_steps: score.device_steps,
             ..compared(path, &groups, entries)?
         };
-        Ok::<_, LabError>(((score, warnings), ours))
+        Ok::<_, RunError>(((score, warnings), ours))
     });
     let both = both.into_iter().collect::<Result<Vec<_>, _>>()?;
     let (scores, recordings): (Vec<(Score, Vec<String>)>, Vec<Compared>) = both.into_iter().unzip();
@@ -217,12 +217,12 @@ struct SystemLine {
 }
 
 /// The operating system's field beside each row of a recording; none where the recording has no such half.
-fn system_of(path: &Path, rows: usize) -> Result<Vec<Option<Vector3<f64>>>, LabError> {
+fn system_of(path: &Path, rows: usize) -> Result<Vec<Option<Vector3<f64>>>, RunError> {
     let Some(half) = system_half(path) else { return Ok(Vec::new()) };
     let lines: Vec<SystemLine> = read_table(&half, "the system's field, with the columns mx,my,mz")?;
     if lines.len() != rows {
         let why = format!("{} rows for a recording of {rows}", lines.len());
-        return Err(LabError::Usage(format!(
+        return Err(RunError::Usage(format!(
             "{}: {why}; write a row for each of its rows, with empty cells where there is no field",
             half.display()
         )));
@@ -231,7 +231,7 @@ fn system_of(path: &Path, rows: usize) -> Result<Vec<Option<Vector3<f64>>>, LabE
 }
 
 /// One recording through all methods.
-fn compared(path: &Path, groups: &Groups, entries: &[Entry]) -> Result<Compared, LabError> {
+fn compared(path: &Path, groups: &Groups, entries: &[Entry]) -> Result<Compared, RunError> {
     let recording = name_of(path);
     let Rule { group, declination_deg, magnet_s, calibration, judged_s, .. } = groups.find(&recording);
     let initial = calibration.as_ref().map(|name| first_step(path, name)).transpose()?;
@@ -252,7 +252,7 @@ fn compared(path: &Path, groups: &Groups, entries: &[Entry]) -> Result<Compared,
         running.push((rival, method, judge()));
     }
     let entered = entries.iter().map(|entry| Ok((entry.answers(&recording, extent.rows)?, judge())));
-    let mut entered: Vec<(Option<Vec<EntryLine>>, HeadingJudge)> = entered.collect::<Result<_, LabError>>()?;
+    let mut entered: Vec<(Option<Vec<EntryLine>>, HeadingJudge)> = entered.collect::<Result<_, RunError>>()?;
     let mut magnet = magnet_s.map(|told| Magnet::new(told, extent.start_s));
     for (k, row) in opened.source.rows()?.enumerate() {
         let row = row?;
@@ -297,15 +297,15 @@ fn compared(path: &Path, groups: &Groups, entries: &[Entry]) -> Result<Compared,
 }
 
 /// The paper's first step: the ellipsoid through all samples of the recording of this name, which lies beside `path`, as (10) is written.
-fn first_step(path: &Path, name: &str) -> Result<Calibration, LabError> {
+fn first_step(path: &Path, name: &str) -> Result<Calibration, RunError> {
     let folder = path.parent().unwrap_or(Path::new("."));
-    let missing = || LabError::Usage(format!("{}: there is no recording {name} beside it", path.display()));
+    let missing = || RunError::Usage(format!("{}: there is no recording {name} beside it", path.display()));
     let file = csv_of(folder, name).ok_or_else(missing)?;
     let mut opened = open(std::slice::from_ref(&file), &ImportOptions::default())?;
     let rows: Vec<Row> = opened.source.rows()?.collect::<Result<_, _>>()?;
     let samples: Vec<Vector3<f64>> = rows.iter().map(|row| row.field_ut).collect();
     let options = FitOptions { residual: Residual::Algebraic, ..FitOptions::default() };
-    let refused = |error| LabError::Usage(format!("{}: no calibration: {error}", file.display()));
+    let refused = |error| RunError::Usage(format!("{}: no calibration: {error}", file.display()));
     fit_ellipsoid(&samples, &options).map(|fit| fit.calibration).map_err(refused)
 }
 

@@ -3,9 +3,9 @@
 use crate::{HEADER, folder, run};
 use magcomp::{Calibration, Compensator, Config};
 use magcomp_lab::catalogue::{Variant, find};
-use magcomp_lab::replay::{Ignore, replay};
 use magcomp_lab::simulate::{Simulation, world_field_ut};
 use magcomp_recordings::recording;
+use magcomp_replay::{Ignore, replay};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;

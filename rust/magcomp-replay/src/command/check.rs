@@ -2,7 +2,7 @@
 
 use super::common::{Common, input, warn};
 use super::import::ImportArguments;
-use crate::error::LabError;
+use crate::error::RunError;
 use crate::report::Report;
 use crate::table::{Table, number};
 use clap::Args;
@@ -19,7 +19,7 @@ use std::path::PathBuf;
 /// would). The gyroscope is asked by the turn of the field and of gravity, the field by its size and turn, the accelerometer's sign by the dip.
 /// `replay` begins with the same. Exit code 3: something is wrong.
 #[derive(Debug, Args)]
-pub(super) struct Check {
+pub struct Check {
     /// The recording, or the session of a phone logger as of `magcomp import`
     #[arg(value_name = "IN", required = true, value_parser = input)]
     inputs: Vec<PathBuf>,
@@ -42,7 +42,8 @@ struct Told {
 }
 
 impl Check {
-    pub fn run(self) -> Result<(), LabError> {
+    /// Runs the verb.
+    pub fn run(self) -> Result<(), RunError> {
         let opened = open(&self.inputs, &self.import.into())?;
         warn(&opened.warnings);
         let recording = name_of(opened.source.path());
@@ -65,7 +66,7 @@ impl Check {
             Ok(report)
         })?;
         if is_wrong {
-            return Err(LabError::Bad(format!("{recording}: {}", told.conventions.findings[0].text)));
+            return Err(RunError::Bad(format!("{recording}: {}", told.conventions.findings[0].text)));
         }
         Ok(())
     }

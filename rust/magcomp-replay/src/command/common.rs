@@ -1,36 +1,23 @@
 //! Shared by all verbs: options, reading of numbers, printing of tables.
 
-use crate::error::LabError;
+use crate::error::RunError;
 use crate::report::Report;
 use crate::table::Table;
 use clap::{Args, ValueEnum};
-use magcomp::Method;
+use magcomp::{Method, Normalisation, Residual};
 use magcomp_recordings::conventions::{Conventions, Weight};
 use magcomp_recordings::error::RecordingError;
 use serde::Serialize;
 use std::convert::Infallible;
 use std::io::{self, IsTerminal, Write};
-use std::ops::RangeInclusive;
 use std::path::{Component, Path, PathBuf};
-use std::str::FromStr;
 
 /// The standard output where it is asked for as `-`: nothing else goes there then.
 const STDOUT: &str = "/dev/fd/1";
 
-/// The recordings of the repository.
-pub(super) const OURS: &str = "tests/recordings";
-
-/// Says what to do where the repository's recordings are meant and not there.
-pub(super) fn ours_is_here(folder: &Path) -> Result<(), LabError> {
-    if folder != Path::new(OURS) || folder.is_dir() {
-        return Ok(());
-    }
-    Err(LabError::Usage(format!("{OURS} is not here: run it in the repository, or name a folder with --recordings")))
-}
-
 /// Options of every verb.
 #[derive(Clone, Debug, Args)]
-pub(super) struct Common {
+pub struct Common {
     /// Names the random numbers: the same seed gives the same result (replay draws none)
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
@@ -48,8 +35,8 @@ impl Common {
         &self,
         tables: &[Table],
         json: &impl Serialize,
-        report: impl FnOnce() -> Result<Report, LabError>,
-    ) -> Result<(), LabError> {
+        report: impl FnOnce() -> Result<Report, RunError>,
+    ) -> Result<(), RunError> {
         self.finish_beside(None, tables, json, report)
     }
 
@@ -59,8 +46,8 @@ impl Common {
         output: Option<&Path>,
         tables: &[Table],
         json: &impl Serialize,
-        report: impl FnOnce() -> Result<Report, LabError>,
-    ) -> Result<(), LabError> {
+        report: impl FnOnce() -> Result<Report, RunError>,
+    ) -> Result<(), RunError> {
         let page = self.report.as_ref().map(|folder| report()?.write(folder)).transpose()?;
         let is_taken = output.is_some_and(|output| output == Path::new(STDOUT));
         let mut out: Box<dyn Write> = if is_taken { Box::new(io::stderr()) } else { Box::new(io::stdout().lock()) };
@@ -87,7 +74,7 @@ impl Common {
 
 /// How M and b are estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(super) enum MethodChoice {
+pub enum MethodChoice {
     /// The best that the recording's sensors allow
     #[default]
     Auto,
@@ -114,66 +101,84 @@ impl MethodChoice {
     }
 }
 
-/// Seeds from the first to the last, both included.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Seeds(pub u64, pub u64);
+/// Which residual the windowed fits use, as the command line names it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum ResidualChoice {
+    /// Divided by its own gradient, free of the noise bias
+    #[default]
+    Corrected,
+    /// Eq. (10) as written
+    Algebraic,
+}
 
-impl Seeds {
-    pub fn range(self) -> RangeInclusive<u64> {
-        self.0..=self.1
+impl From<ResidualChoice> for Residual {
+    fn from(choice: ResidualChoice) -> Self {
+        match choice {
+            ResidualChoice::Corrected => Self::Corrected,
+            ResidualChoice::Algebraic => Self::Algebraic,
+        }
     }
 }
 
-impl FromStr for Seeds {
-    type Err = String;
+/// How sigma_T is normalised, as the command line names it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum NormalisationChoice {
+    /// By 180 and 90 degrees: even orientations give 0.72
+    HalfRange,
+    /// By an even sphere: even orientations give 1
+    EvenSphere,
+}
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (first, last) = text.split_once('-').unwrap_or((text, text));
-        let seeds = first.parse().ok().zip(last.parse().ok()).filter(|(first, last)| first <= last);
-        seeds.map(|(first, last)| Self(first, last)).ok_or_else(|| "expected seeds such as 1-10 or 7".to_owned())
+impl From<NormalisationChoice> for Normalisation {
+    fn from(choice: NormalisationChoice) -> Self {
+        match choice {
+            NormalisationChoice::HalfRange => Self::HalfRange,
+            NormalisationChoice::EvenSphere => Self::EvenSphere,
+        }
     }
+}
+
+/// A choice as it is typed on the command line.
+pub fn as_typed(choice: &impl ValueEnum) -> String {
+    choice.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
 /// A path; `-` is the standard input.
-pub(super) fn input(text: &str) -> Result<PathBuf, Infallible> {
+pub fn input(text: &str) -> Result<PathBuf, Infallible> {
     Ok(PathBuf::from(if text == "-" { "/dev/stdin" } else { text }))
 }
 
 /// A path; `-` is the standard output.
-pub(super) fn output(text: &str) -> Result<PathBuf, Infallible> {
+pub fn output(text: &str) -> Result<PathBuf, Infallible> {
     Ok(PathBuf::from(if text == "-" { STDOUT } else { text }))
 }
 
 /// A number, neither NaN nor infinite.
-pub(super) fn finite(text: &str) -> Result<f64, String> {
+pub fn finite(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|v: &f64| v.is_finite()).ok_or_else(|| "expected a number".to_owned())
 }
 
 /// A number from `low` to `high`.
-pub(super) fn between(text: &str, low: f64, high: f64) -> Result<f64, String> {
+pub fn between(text: &str, low: f64, high: f64) -> Result<f64, String> {
     let inside = finite(text).ok().filter(|v| (low..=high).contains(v));
     inside.ok_or_else(|| format!("expected a number from {low} to {high}"))
 }
 
 /// Prints warnings, one line each, on standard error.
-pub(super) fn warn(warnings: &[String]) {
+pub fn warn(warnings: &[String]) {
     warnings.iter().for_each(|warning| eprintln!("magcomp: warning: {warning}"));
 }
 
 /// Prints what is wrong with a recording's conventions, one line each, on standard error.
-pub(super) fn warn_of(conventions: &Conventions) {
+pub fn warn_of(conventions: &Conventions) {
     let grave = conventions.findings.iter().filter(|finding| finding.weight > Weight::Note);
     grave.for_each(|finding| eprintln!("magcomp: warning: {}", finding.text));
 }
 
 /// Refuses, before anything is written, an output that is an input, lies in a folder that is one, or is another output, by
 /// whatever name or link it is called. `report` is the folder that `--report` names.
-pub(super) fn refuse_outputs(
-    inputs: &[&Path],
-    outputs: &[(&str, &Path)],
-    report: Option<&Path>,
-) -> Result<(), LabError> {
-    let refuse = |why: String| Err(LabError::Usage(why));
+pub fn refuse_outputs(inputs: &[&Path], outputs: &[(&str, &Path)], report: Option<&Path>) -> Result<(), RunError> {
+    let refuse = |why: String| Err(RunError::Usage(why));
     let all = outputs.iter().copied().chain(report.map(|folder| ("--report", folder)));
     for (name, output) in all {
         for input in inputs {
@@ -207,7 +212,7 @@ fn is_device(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
 }
 
-fn is_same_file(one: &Path, other: &Path) -> Result<bool, LabError> {
+fn is_same_file(one: &Path, other: &Path) -> Result<bool, RunError> {
     // devices and pipes can be both, and opening a pipe to look at it would wait for the other end
     let is_file = |path: &Path| std::fs::metadata(path).is_ok_and(|there| there.is_file());
     if !is_file(one) || !is_file(other) {

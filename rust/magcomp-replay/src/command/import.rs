@@ -2,9 +2,9 @@
 
 use super::common::{Common, input, output, refuse_outputs, warn, warn_of};
 use crate::atomic::write_atomically;
-use crate::error::LabError;
-use crate::replay::session_table;
+use crate::error::RunError;
 use crate::report::Report;
+use crate::session_table;
 use clap::Args;
 use magcomp_recordings::import::{ColumnNames, Frames, ImportOptions, Shifts, Units, import};
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 /// ROS 2 (mcap), Parquet or Arrow (a file, Feather 2, or a stream). Each sensor keeps its own times and rate: a row leaves the cells of
 /// the others empty. The field that the operating system calibrated is kept as sys_mx,sys_my,sys_mz.
 #[derive(Debug, Args)]
-pub(super) struct Import {
+pub struct Import {
     /// The session: a zip, a folder, or its files
     #[arg(value_name = "IN", required = true, value_parser = input)]
     inputs: Vec<PathBuf>,
@@ -30,7 +30,8 @@ pub(super) struct Import {
 }
 
 impl Import {
-    pub fn run(self) -> Result<(), LabError> {
+    /// Runs the verb.
+    pub fn run(self) -> Result<(), RunError> {
         let inputs: Vec<&Path> = self.inputs.iter().map(PathBuf::as_path).collect();
         refuse_outputs(&inputs, &[("--output", &self.output)], self.common.report.as_deref())?;
         let (events, summary) = import(&self.inputs, &self.options.into())?;
@@ -51,7 +52,7 @@ impl Import {
 
 /// How plain CSV, Parquet and Arrow are read; the loggers' own files need none of it.
 #[derive(Clone, Debug, Args)]
-pub(super) struct ImportArguments {
+pub struct ImportArguments {
     /// Plain CSV, Parquet, Arrow: names of the columns, of t, mx,my,mz (field), ax,ay,az, gx,gy,gz, sx,sy,sz (the system's field), qw,qx,qy,qz
     ///
     /// `#4` is the fourth column, for a file without header; `t=secs+1e-9*nsecs` a time in two columns. A time may also be a date, such as

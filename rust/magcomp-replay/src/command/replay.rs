@@ -1,18 +1,19 @@
 //! `magcomp replay`.
 
-use super::common::{Common, MethodChoice, between, input, output, refuse_outputs, warn, warn_of};
+use super::common::{
+    Common, MethodChoice, NormalisationChoice, ResidualChoice, as_typed, between, input, output, refuse_outputs, warn,
+    warn_of,
+};
 use super::import::ImportArguments;
 use crate::atomic::AtomicFile;
-use crate::error::LabError;
-use crate::experiment::step::{NormalisationChoice, ResidualChoice};
-use crate::parameters::as_typed;
+use crate::error::RunError;
 use crate::progress;
-use crate::replay::{
+use crate::report::Report;
+use crate::{
     Bearing, Gathering, Ignore, Judgement, Known, Mark, Outcome, Played, Player, Verdict, read_waypoints,
     session_table, usual_part, verdicts_table, write_calibration, write_explain_header, write_explanation,
     write_header, write_row,
 };
-use crate::report::Report;
 use clap::{Args, ValueEnum};
 use magcomp::nalgebra::Vector3;
 use magcomp::{Config, HeadedAxis, HeadingConfig, ReferenceAxis, WindowedConfig};
@@ -47,7 +48,7 @@ const CHUNK: usize = 4096;
 /// far the field swings within a full turn of at most a minute, by the gyroscope.
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
-pub(super) struct Replay {
+pub struct Replay {
     /// The recording, or the session of a phone logger as of `magcomp import`
     #[arg(value_name = "IN", required = true, value_parser = input)]
     inputs: Vec<PathBuf>,
@@ -160,15 +161,16 @@ impl From<CourseOf> for HeadedAxis {
 }
 
 impl Replay {
-    pub fn run(self) -> Result<(), LabError> {
+    /// Runs the verb.
+    pub fn run(self) -> Result<(), RunError> {
         let import = self.import.clone().into();
         match self.play(&self.inputs, &import) {
             Ok(played) => self.finish(played),
-            Err(LabError::Recording(RecordingError::Several { sessions, why })) => {
+            Err(RunError::Recording(RecordingError::Several { sessions, why })) => {
                 self.replay_each(&import, sessions, why)
             }
             // a stray file among recordings: the table names it
-            Err(LabError::Recording(why)) if self.inputs.iter().any(|input| holds_recordings(input)) => {
+            Err(RunError::Recording(why)) if self.inputs.iter().any(|input| holds_recordings(input)) => {
                 self.replay_each(&import, 0, why.to_string())
             }
             Err(why) => Err(why),
@@ -176,19 +178,19 @@ impl Replay {
     }
 
     /// Prints what one recording came to.
-    fn finish(&self, outcome: Outcome) -> Result<(), LabError> {
+    fn finish(&self, outcome: Outcome) -> Result<(), RunError> {
         let (tables, verdict) = (outcome.tables.clone(), outcome.verdict.clone());
         let told = Told { verdict: &verdict, judgement: &outcome.judgement.clone() };
         let name = self.inputs.first().map_or_else(String::new, |path| name_of(path));
         self.common.finish_beside(self.output.as_deref(), &tables, &told, || outcome.report())?;
         if verdict.is_wrong {
-            return Err(LabError::Bad(format!("{name} is bad: {}", verdict.reason())));
+            return Err(RunError::Bad(format!("{name} is bad: {}", verdict.reason())));
         }
         Ok(())
     }
 
     /// Several recordings: a line each, and a page each where a report is wanted.
-    fn replay_each(&self, import: &ImportOptions, sessions: usize, why: String) -> Result<(), LabError> {
+    fn replay_each(&self, import: &ImportOptions, sessions: usize, why: String) -> Result<(), RunError> {
         let one_alone = self.output.is_some()
             || self.explain.is_some()
             || self.calibration.is_some()
@@ -241,16 +243,16 @@ impl Replay {
         let bad = lines.iter().filter(|(_, played)| matches!(played, Ok((_, verdict)) if verdict.is_wrong)).count();
         let unread = lines.iter().filter(|(_, played)| played.is_err()).count();
         if unread == lines.len() {
-            return Err(LabError::Usage(format!("none of the {unread} recordings could be read")));
+            return Err(RunError::Usage(format!("none of the {unread} recordings could be read")));
         }
         if bad > 0 {
-            return Err(LabError::Bad(format!("{bad} of {} recordings are bad", lines.len())));
+            return Err(RunError::Bad(format!("{bad} of {} recordings are bad", lines.len())));
         }
         Ok(())
     }
 
     /// One recording from the first row to the last.
-    fn play(&self, sources: &[PathBuf], import: &ImportOptions) -> Result<Outcome, LabError> {
+    fn play(&self, sources: &[PathBuf], import: &ImportOptions) -> Result<Outcome, RunError> {
         let method = self.method.method();
         let inputs: Vec<&Path> = self.inputs.iter().chain(&self.waypoints).map(PathBuf::as_path).collect();
         let outputs = [("--output", &self.output), ("--explain", &self.explain), ("--calibration", &self.calibration)];
@@ -273,7 +275,7 @@ impl Replay {
             (Some(place), Some(day)) => Some(at(place, day)?),
             (Some(_), None) => {
                 let why = "its times do not say the date that --place needs; add --date YYYY-MM-DD";
-                return Err(LabError::Usage(format!("{}: {why}", source.path().display())));
+                return Err(RunError::Usage(format!("{}: {why}", source.path().display())));
             }
             // a height that the model does not hold ends no replay that asked for no place
             (None, day) => own.zip(day).and_then(|(place, day)| at(place, day).ok()),
@@ -300,7 +302,7 @@ impl Replay {
 
         let waypoints = self.waypoints.as_deref().map(read_waypoints).transpose()?;
         let course_of = self.course.map(HeadedAxis::from);
-        let player = || Ok::<_, LabError>(Player::new(&config, ignore)?.aided_by_courses(course_of));
+        let player = || Ok::<_, RunError>(Player::new(&config, ignore)?.aided_by_courses(course_of));
         let mut players = (0..self.passes).map(|_| player()).collect::<Result<Vec<_>, _>>()?;
 
         let extent = *source.extent();
@@ -310,7 +312,7 @@ impl Replay {
         if part.start >= part.end.min(end_s) && end_s > 0.0 {
             let to = self.to.map_or_else(String::new, |to| format!(" and --to {to}"));
             let why = format!("leave no row to count: the recording lasts {end_s:.1} s");
-            return Err(LabError::Usage(format!("--from {}{to} {why}", part.start)));
+            return Err(RunError::Usage(format!("--from {}{to} {why}", part.start)));
         }
 
         let is_true = declination_deg.is_some();
@@ -410,7 +412,7 @@ fn holds_recordings(folder: &Path) -> bool {
 }
 
 /// The files of a folder that may be recordings: tables, zips and bags.
-fn recordings_of(folder: &Path) -> Result<Vec<PathBuf>, LabError> {
+fn recordings_of(folder: &Path) -> Result<Vec<PathBuf>, RunError> {
     let endings = [".csv", ".csv.gz", ".txt", ".zip", ".mcap", ".parquet", ".arrow", ".feather"];
     let mut paths = files_of(folder)?;
     paths.retain(|path| {

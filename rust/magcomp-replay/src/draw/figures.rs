@@ -1,12 +1,12 @@
 //! A replay as a picture over time: heading with its sigma, total field and dip, M and b with their sigmas, status and events;
 //! with a reference the errors too; why the readings said so, where that is told. Then the sphere.
 
-use super::circle::{Circle, off_deg};
-use super::directions::azimuth_deg;
-use super::player::Step;
 use super::sphere::Sphere;
-use super::told::Mark;
-use crate::error::LabError;
+use crate::error::RunError;
+use crate::judge::Mark;
+use crate::judge::azimuth_deg;
+use crate::judge::{Circle, off_deg};
+use crate::play::Step;
 use crate::plot::{Band, Colour, Thin};
 use crate::report::{Moment, Report};
 use crate::statistics::Sizes;
@@ -15,7 +15,7 @@ use magcomp::{Calibration, Explanation};
 use magcomp_recordings::recording::{Extent, Recording, Row};
 
 /// Lanes of the status strip, from the bottom, and their colours.
-pub(super) const LANES: [(&str, Colour); 6] = [
+pub(crate) const LANES: [(&str, Colour); 6] = [
     ("rejected", Colour::Status(0)),
     ("disturbed", Colour::Status(1)),
     ("suspect", Colour::Status(2)),
@@ -29,48 +29,48 @@ const PIXELS: usize = 1000;
 /// A replay as a picture, made row by row in memory that does not grow with it.
 #[derive(Clone, Debug, Default)]
 pub struct Figures {
-    pub(super) extent: Extent,
+    pub(crate) extent: Extent,
     rows: usize,
-    pub(super) raw: Thin,
-    pub(super) corrected: Thin,
-    pub(super) raw_error: ErrorLine,
-    pub(super) corrected_error: ErrorLine,
-    pub(super) heading_error: ErrorLine,
-    pub(super) two_sigma: Sizes,
-    pub(super) band: Band,
-    pub(super) system: Thin,
-    pub(super) total_field: Sizes,
-    pub(super) raw_field: Sizes,
-    pub(super) heading: Vec<(f64, f64)>,
-    pub(super) heading_band: Band,
-    pub(super) dip: Thin,
-    pub(super) truth: [Thin; 3],
+    pub(crate) raw: Thin,
+    pub(crate) corrected: Thin,
+    pub(crate) raw_error: ErrorLine,
+    pub(crate) corrected_error: ErrorLine,
+    pub(crate) heading_error: ErrorLine,
+    pub(crate) two_sigma: Sizes,
+    pub(crate) band: Band,
+    pub(crate) system: Thin,
+    pub(crate) total_field: Sizes,
+    pub(crate) raw_field: Sizes,
+    pub(crate) heading: Vec<(f64, f64)>,
+    pub(crate) heading_band: Band,
+    pub(crate) dip: Thin,
+    pub(crate) truth: [Thin; 3],
     /// b, then M_xx M_yy M_zz less 1 and M_xy M_xz M_yz, with one sigma to both sides.
-    pub(super) parameters: [Thin; 9],
-    pub(super) parameter_bands: [Band; 9],
-    pub(super) sphere: Sphere,
-    pub(super) window: Thin,
-    pub(super) sigma_t: Thin,
-    pub(super) any_sigma_t: bool,
+    pub(crate) parameters: [Thin; 9],
+    pub(crate) parameter_bands: [Band; 9],
+    pub(crate) sphere: Sphere,
+    pub(crate) window: Thin,
+    pub(crate) sigma_t: Thin,
+    pub(crate) any_sigma_t: bool,
     /// Why, where it is told.
-    pub(super) inside: Option<Inside>,
+    pub(crate) inside: Option<Inside>,
     /// For each lane of the status strip, from when to when, s.
-    pub(super) lanes: [Vec<(f64, f64)>; LANES.len()],
+    pub(crate) lanes: [Vec<(f64, f64)>; LANES.len()],
     /// The lane of the latest row.
     lane: Option<usize>,
     /// For the cursor: time, s; heading and its two sigmas, degrees; where north was by the reference, degrees; status.
-    pub(super) moments: Vec<Moment>,
+    pub(crate) moments: Vec<Moment>,
     /// What a tester noted: s after the first row, and its name.
-    pub(super) noted: Vec<(f64, String)>,
+    pub(crate) noted: Vec<(f64, String)>,
 }
 
 /// The inside of the estimator over time.
 #[derive(Clone, Debug)]
-pub(super) struct Inside {
-    pub(super) ratio: Thin,
-    pub(super) log_odds: Thin,
-    pub(super) white_ut: Thin,
-    pub(super) local_ut: Thin,
+pub(crate) struct Inside {
+    pub(crate) ratio: Thin,
+    pub(crate) log_odds: Thin,
+    pub(crate) white_ut: Thin,
+    pub(crate) local_ut: Thin,
 }
 
 impl Inside {
@@ -91,7 +91,7 @@ impl Inside {
 /// Azimuths as a line about their median, which is known only at the end. Within a stretch an azimuth is stored by its
 /// difference from another one, so that the lowest and the highest are those of one turn.
 #[derive(Clone, Debug, Default)]
-pub(super) struct ErrorLine {
+pub(crate) struct ErrorLine {
     azimuths: Circle,
     line: Thin,
 }
@@ -227,7 +227,7 @@ fn parameters(calibration: &Calibration) -> [f64; 9] {
 }
 
 /// Adds the picture of a replay in memory, as [`Figures`].
-pub fn figures(report: &mut Report, name: &str, recording: &Recording, steps: &[Step]) -> Result<(), LabError> {
+pub fn figures(report: &mut Report, name: &str, recording: &Recording, steps: &[Step]) -> Result<(), RunError> {
     let mut figures = Figures::new(&recording.extent());
     recording.rows.iter().zip(steps).for_each(|(row, step)| figures.add(row, step, None));
     figures.finish(report, name, &recording.name())

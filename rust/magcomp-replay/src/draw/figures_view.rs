@@ -1,9 +1,9 @@
 //! The pictures of a replay, drawn: heading and status over time, then the sphere, then why, one panel below the other.
 
-use super::circle::off_deg;
 use super::figures::{Figures, Inside, LANES};
 use super::sphere_view::show;
-use crate::error::LabError;
+use crate::error::RunError;
+use crate::judge::off_deg;
 use crate::plot::{Colour, FINE, Layers, Panel, Series, Span, Thin, draw, x_axis};
 use crate::report::{Report, Time};
 
@@ -19,7 +19,7 @@ const SIZE: (u32, u32) = (660, 170);
 
 impl Figures {
     /// Adds the pictures to a report; `recording` is the recording's name.
-    pub fn finish(self, report: &mut Report, name: &str, recording: &str) -> Result<(), LabError> {
+    pub fn finish(self, report: &mut Report, name: &str, recording: &str) -> Result<(), RunError> {
         let mut moments = self.moments;
         let centre_deg = self.heading_error.centre_deg();
         for (_, _, _, north_deg, _) in &mut moments {
@@ -175,7 +175,7 @@ impl Figures {
         );
         report.folded("Why: field, dip, M and b over time", |report| {
             report.figure_over_time(&format!("{name}_why"), draw(&panels, 1, SIZE)?, &caption, time);
-            Ok::<_, LabError>(())
+            Ok::<_, RunError>(())
         })?;
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! Raw samples where they lie, about b, and the corrected ones about the origin: what a device's own disturbance does to a field.
 
-use super::player::Step;
 use super::square::{PANEL, Square, picture, text};
+use crate::play::Step;
 use crate::plot::Colour;
 use magcomp::nalgebra::{Vector2, Vector3};
 use magcomp_recordings::recording::Recording;

@@ -1,7 +1,7 @@
 //! The sphere: raw samples lie on an ellipsoid h_m = M h + b, corrected ones on a sphere of radius |h|. Samples are thinned as they
 //! come, so that memory does not grow with a recording.
 
-use super::player::Step;
+use crate::play::Step;
 use magcomp::nalgebra::Vector3;
 use magcomp::{Calibration, Event};
 use magcomp_recordings::recording::{Extent, Row};
@@ -10,7 +10,7 @@ use serde::Serialize;
 /// Samples kept, at most.
 const MOST: usize = 4000;
 /// Samples that an epoch needs to be shown.
-pub(super) const FEWEST: usize = 20;
+pub(crate) const FEWEST: usize = 20;
 /// Events whose onsets are closer than this share a mark, ns: the later decision is about the same change.
 const TOGETHER_NS: i64 = 500_000_000;
 /// The page that turns and scrubs.
@@ -20,7 +20,7 @@ const DATA: &str = "/*DATA*/";
 
 /// A sample of the picture.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sample {
+pub(crate) struct Sample {
     /// s after the first row.
     pub time_s: f64,
     pub raw: Vector3<f64>,
@@ -31,7 +31,7 @@ pub(super) struct Sample {
 
 /// A stretch of time between two decided changes.
 #[derive(Clone, Debug)]
-pub(super) struct Epoch<'a> {
+pub(crate) struct Epoch<'a> {
     /// The event that began the stretch; none for the first.
     pub event: Option<Event>,
     /// From when to when, s after the first row.
@@ -99,7 +99,7 @@ impl Sphere {
     }
 
     /// The stretches between decided changes that have samples enough.
-    pub(super) fn epochs(&self) -> Vec<Epoch<'_>> {
+    pub(crate) fn epochs(&self) -> Vec<Epoch<'_>> {
         let seconds = |time_ns: i64| (time_ns - self.extent.start_ns) as f64 / 1e9;
         let mut begins = vec![(None, f64::NEG_INFINITY)];
         begins.extend(self.events.iter().map(|event| (Some(*event), seconds(event.since_ns))));
@@ -116,12 +116,12 @@ impl Sphere {
     }
 
     /// The onsets of the events so far, s after the first row, each with the kinds that were decided for it.
-    pub(super) fn marks(&self) -> Vec<(f64, String)> {
+    pub(crate) fn marks(&self) -> Vec<(f64, String)> {
         marks(&self.events, self.extent.start_ns)
     }
 
     /// The interactive page; `recording` is the recording's name.
-    pub(super) fn page(&self, recording: &str) -> String {
+    pub(crate) fn page(&self, recording: &str) -> String {
         PAGE.replace(DATA, &self.data(recording).replace('<', "\\u003c"))
     }
 

@@ -4,7 +4,7 @@
 //! was given, the published heading is the true one, and the reference's north has to be the true one too.
 
 use super::circle::off_deg;
-use super::player::Step;
+use crate::play::Step;
 use crate::statistics::{FEWEST, Sizes};
 use magcomp::nalgebra::Vector3;
 use magcomp::{ReferenceAxis, ScreenRotation, Status, heading};
@@ -43,7 +43,7 @@ pub struct AbsoluteHeading {
 
 /// Sums of the above, row by row.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Absolute {
+pub(crate) struct Absolute {
     axis: ReferenceAxis,
     first_s: Option<f64>,
     rows: usize,
@@ -119,7 +119,7 @@ impl Absolute {
 }
 
 /// Heading of the axis by the reference, degrees; none where the axis is steep or there is no reference.
-pub(crate) fn reference_heading_deg(row: &Row, axis: ReferenceAxis) -> Option<f64> {
+pub fn reference_heading_deg(row: &Row, axis: ReferenceAxis) -> Option<f64> {
     let to_device = row.attitude?.inverse();
     let (north, up) = (to_device * Vector3::y(), to_device * Vector3::z());
     let is_level = match axis {

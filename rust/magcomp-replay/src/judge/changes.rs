@@ -1,6 +1,6 @@
 //! What changed in a replay, as a user would tell it: when the device did and by how much hard iron, and when the place differed.
 
-use super::player::Step;
+use crate::play::Step;
 use magcomp::nalgebra::Vector3;
 use magcomp::{Event, EventKind, Status};
 use serde::Serialize;
@@ -58,7 +58,7 @@ struct Change {
 
 /// Changes, row by row.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Changes {
+pub(crate) struct Changes {
     kept: VecDeque<(i64, Vector3<f64>)>,
     devices: Vec<Change>,
     places: Vec<(i64, i64)>,
@@ -112,7 +112,7 @@ impl Changes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::replay::{Ignore, replay};
+    use crate::{Ignore, replay};
     use magcomp::nalgebra::Matrix3;
     use magcomp::{Calibration, Config};
     use magcomp_recordings::recording::{Recording, Row};

@@ -26,7 +26,7 @@ impl<T> Kinds<T> {
 
 /// Vectors of one kind: the spread of their lengths, and the azimuths they have by the reference.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Directions {
+pub(crate) struct Directions {
     pub lengths: Spread,
     pub azimuths: Circle,
 }
@@ -44,7 +44,7 @@ impl Directions {
 }
 
 /// Azimuth of a device-frame vector by the reference orientation, degrees from north, clockwise.
-pub(crate) fn azimuth_deg(row: &Row, field_ut: &Vector3<f64>) -> Option<f64> {
+pub fn azimuth_deg(row: &Row, field_ut: &Vector3<f64>) -> Option<f64> {
     let earth = row.attitude? * field_ut;
     Some(earth.x.atan2(earth.y).to_degrees()).filter(|azimuth| azimuth.is_finite())
 }

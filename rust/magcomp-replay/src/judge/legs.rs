@@ -5,8 +5,8 @@
 //! that the figure is the circular standard deviation over the legs: sqrt(-2 ln |mean of exp(i error)|).
 
 use super::level::AveragedUp;
-use super::player::Step;
 use crate::beside::read_table;
+use crate::play::Step;
 use magcomp::{ReferenceAxis, ScreenRotation, heading};
 use magcomp_recordings::error::RecordingError;
 use magcomp_recordings::recording::Row;
@@ -123,7 +123,7 @@ fn plus(sum: (f64, f64), angle_deg: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::replay::{Ignore, replay};
+    use crate::{Ignore, replay};
     use magcomp::nalgebra::Vector3;
     use magcomp::{Config, Method};
     use magcomp_recordings::recording::Recording;

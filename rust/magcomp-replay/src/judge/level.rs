@@ -14,7 +14,7 @@ const UP_TIME_S: f64 = 1.0;
 
 /// `up` in the device: the accelerometer averaged over a second.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct AveragedUp {
+pub(crate) struct AveragedUp {
     up: Option<Vector3<f64>>,
     before_s: Option<f64>,
 }
@@ -34,7 +34,7 @@ impl AveragedUp {
 
 /// The attitude by gyroscope and gravity.
 #[derive(Default)]
-pub(super) struct Level {
+pub(crate) struct Level {
     averaged: AveragedUp,
     up: Option<Vector3<f64>>,
     filter: Option<VQF>,

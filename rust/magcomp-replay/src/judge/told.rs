@@ -2,7 +2,7 @@
 
 use super::changes::Declared;
 use super::circle::off_deg;
-use super::player::Step;
+use crate::play::Step;
 use magcomp_recordings::recording::Row;
 use serde::Serialize;
 use std::str::FromStr;

@@ -2,7 +2,7 @@
 
 use super::circle::{Circle, HeadingError, off_deg};
 use super::directions::{Directions, azimuth_deg};
-use super::judge::usual_part;
+use super::rows::usual_part;
 use crate::statistics::{MeanSpread, Spread};
 use magcomp::nalgebra::Vector3;
 use magcomp_recordings::recording::{Extent, Row};

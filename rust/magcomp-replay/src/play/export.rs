@@ -1,15 +1,15 @@
 //! The last calibration as JSON, which `Calibration` reads in Rust, Kotlin and Swift.
 
 use crate::atomic::write_atomically;
-use crate::error::LabError;
+use crate::error::RunError;
 use magcomp::Compensator;
 use serde_json::{Value, json};
 use std::path::Path;
 
 /// Writes the calibration in force to `path`, as [`calibration_json`].
-pub fn write_calibration(path: &Path, compensator: &Compensator, recording: &str, time_s: f64) -> Result<(), LabError> {
+pub fn write_calibration(path: &Path, compensator: &Compensator, recording: &str, time_s: f64) -> Result<(), RunError> {
     let text = calibration_json(compensator, recording, time_s).ok_or_else(|| {
-        LabError::Experiment(
+        RunError::Experiment(
             "--calibration: no calibration was found, so none was written; turn the device about more axes".to_owned(),
         )
     })?;

@@ -1,6 +1,6 @@
 //! A compensator that is given the rows of a recording, in order.
 
-use crate::error::LabError;
+use crate::error::RunError;
 use magcomp::{
     Calibration, Compensator, Config, HeadedAxis, HeadingAid, HeadingSample, KeptCalibration, MagneticSample, Method,
     NorthReference, Reading, RotationRateSample, Tunings, UpSample,
@@ -79,7 +79,7 @@ impl Courses {
 
 impl Player {
     /// Before the first row.
-    pub fn new(config: &Config, ignore: Ignore) -> Result<Self, LabError> {
+    pub fn new(config: &Config, ignore: Ignore) -> Result<Self, RunError> {
         Ok(Self {
             compensator: Compensator::new(config.clone())?,
             ignore,
@@ -89,7 +89,7 @@ impl Player {
     }
 
     /// One whose choices are not the usual ones.
-    pub fn tuned(config: Config, method: Method, ignore: Ignore, tunings: Tunings) -> Result<Self, LabError> {
+    pub fn tuned(config: Config, method: Method, ignore: Ignore, tunings: Tunings) -> Result<Self, RunError> {
         let compensator = Compensator::tuned(Config { method, ..config }, tunings)?;
         Ok(Self { compensator, ignore, course_of: None, courses: Courses::default() })
     }
@@ -152,7 +152,7 @@ impl Player {
 }
 
 /// Plays a recording in memory, in order.
-pub fn replay(recording: &Recording, config: &Config, ignore: Ignore) -> Result<Vec<Step>, LabError> {
+pub fn replay(recording: &Recording, config: &Config, ignore: Ignore) -> Result<Vec<Step>, RunError> {
     replay_with(recording, config, ignore, |_, _| ())
 }
 
@@ -162,7 +162,7 @@ pub fn replay_with(
     config: &Config,
     ignore: Ignore,
     mut look: impl FnMut(usize, &Compensator),
-) -> Result<Vec<Step>, LabError> {
+) -> Result<Vec<Step>, RunError> {
     let mut player = Player::new(config, ignore)?;
     let steps = recording.rows.iter().enumerate().map(|(k, row)| {
         let step = player.play(row);

@@ -1,7 +1,7 @@
 //! Dots in rows: a row a method, a dot a recording, a bar at the median, errors on a scale of equal ratios.
 
 use super::colour::{Colour, INK, MESH, PAPER, with_dark_style};
-use crate::error::LabError;
+use crate::error::RunError;
 use crate::statistics::median;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -49,13 +49,13 @@ impl Dots {
     }
 
     /// Draws them.
-    pub fn draw(&self) -> Result<String, LabError> {
+    pub fn draw(&self) -> Result<String, RunError> {
         let mut svg = String::new();
         {
             let height = ABOVE + BELOW + ROW * self.rows.len() as u32;
             let root = SVGBackend::with_string(&mut svg, (WIDTH, height)).into_drawing_area();
             let drawn = self.draw_on(&root).and_then(|()| root.present());
-            drawn.map_err(|error| LabError::Plot { name: self.title.clone(), reason: error.to_string() })?;
+            drawn.map_err(|error| RunError::Plot { name: self.title.clone(), reason: error.to_string() })?;
         }
         Ok(with_dark_style(&svg))
     }

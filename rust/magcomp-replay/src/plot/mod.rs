@@ -14,7 +14,7 @@ pub use dots::{DotRow, Dots};
 pub use layers::{Band, Layers, Span};
 pub use thin::Thin;
 
-use crate::error::LabError;
+use crate::error::RunError;
 use colour::{INK, MESH, PAPER};
 use plotters::prelude::*;
 
@@ -79,13 +79,13 @@ const CHARACTER: f64 = 7.2;
 pub const FINE: usize = 3000;
 
 /// Draws panels row by row, `columns` of them in a row, each of `size` pixels.
-pub fn draw(panels: &[Panel], columns: usize, size: (u32, u32)) -> Result<String, LabError> {
+pub fn draw(panels: &[Panel], columns: usize, size: (u32, u32)) -> Result<String, RunError> {
     let rows = panels.len().div_ceil(columns).max(1);
     let whole = (size.0 * columns as u32, size.1 * rows as u32);
     let mut svg = String::new();
     {
         let root = SVGBackend::with_string(&mut svg, whole).into_drawing_area();
-        let failed = |error: &dyn std::fmt::Display| LabError::Plot {
+        let failed = |error: &dyn std::fmt::Display| RunError::Plot {
             name: panels.first().map_or_else(String::new, |panel| panel.title.clone()),
             reason: error.to_string(),
         };

@@ -1,18 +1,18 @@
 //! A replay in words.
 
-use super::changes::DeviceChange;
-use super::circle::HeadingError;
-use super::judgement::Judgement;
+use crate::judge::DeviceChange;
+use crate::judge::HeadingError;
+use crate::judge::Judgement;
 use crate::statistics::MeanSpread;
 use crate::table::number;
 
 /// Total fields that the Earth has at its surface, uT.
-pub(super) const EARTH_UT: (f64, f64) = (22.0, 67.0);
+pub(crate) const EARTH_UT: (f64, f64) = (22.0, 67.0);
 /// Most changes that are told in words.
 const MOST_CHANGES: usize = 12;
 
 /// What a replay comes to, a sentence or two each: heading, field, changes.
-pub(super) fn sentences(judgement: &Judgement) -> Vec<String> {
+pub(crate) fn sentences(judgement: &Judgement) -> Vec<String> {
     let heading = reference_sentence(judgement).or_else(|| legs_sentence(judgement));
     let turns = turns_sentence(judgement).filter(|_| judgement.heading.is_none());
     let listed = |what: &str, told: Vec<String>| (!told.is_empty()).then(|| format!("{what}: {}.", told.join("; ")));
@@ -116,25 +116,25 @@ fn device_words(change: &DeviceChange) -> String {
     format!("{what} {:.1} s{by}", change.since_s)
 }
 
-pub(super) fn counted(count: usize, noun: &str) -> String {
+pub(crate) fn counted(count: usize, noun: &str) -> String {
     format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
 /// One digit after the point below 10, none from there on.
-pub(super) fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     number(Some(value), if value < 9.95 { 1 } else { 0 })
 }
 
-pub(super) fn signed(value: f64) -> String {
+pub(crate) fn signed(value: f64) -> String {
     format!("{value:+.1}")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::replay::changes::PlaceDiffered;
-    use crate::replay::table;
-    use crate::replay::{Ignore, Step, judge, replay, usual_part};
+    use crate::judge::PlaceDiffered;
+    use crate::table;
+    use crate::{Ignore, Step, judge, replay, usual_part};
     use magcomp::nalgebra::{UnitQuaternion, Vector3};
     use magcomp::{Config, ReferenceAxis, ScreenRotation, heading};
     use magcomp_recordings::place::EarthField;

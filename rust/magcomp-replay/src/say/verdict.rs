@@ -1,7 +1,7 @@
 //! The verdict on a recording: how well its heading is known, what the place was like, why, and what to do next.
 
-use super::judgement::Judgement;
 use super::sentences::{EARTH_UT, short};
+use crate::judge::Judgement;
 use crate::statistics::MeanSpread;
 use crate::table::Table;
 use magcomp_recordings::conventions::{Conventions, Weight};
@@ -139,7 +139,7 @@ impl Verdict {
     }
 
     /// The colour that the place's card has.
-    pub(super) fn place_grade(&self) -> Grade {
+    pub(crate) fn place_grade(&self) -> Grade {
         match self.place {
             Place::Even => Grade::Good,
             Place::Uneven | Place::Unknown => Grade::Doubtful,

@@ -1,8 +1,8 @@
 //! A replay as a table.
 
-use super::directions::Kinds;
-use super::judgement::Judgement;
 use super::sentences::{counted, sentences, signed};
+use crate::judge::Judgement;
+use crate::judge::Kinds;
 use crate::statistics::MeanSpread;
 use crate::table::{Table, number};
 
