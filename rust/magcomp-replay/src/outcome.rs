@@ -103,7 +103,7 @@ pub struct Outcome {
 
 impl Outcome {
     /// As a page, with the pictures where they were drawn.
-    pub fn report(self) -> Result<Report, RunError> {
+    pub fn report(&self) -> Result<Report, RunError> {
         let rule =
             "Every sample went through the compensator in order; nothing later than a sample went into its answer.";
         let verdict = &self.verdict;
@@ -122,7 +122,7 @@ impl Outcome {
                 Ok::<(), RunError>(())
             })?;
         }
-        self.figures.map_or(Ok(()), |figures| figures.finish(&mut report, "replay", &self.recording))?;
+        self.figures.as_ref().map_or(Ok(()), |figures| figures.finish(&mut report, "replay", &self.recording))?;
         // the card has the lead
         report.table(&Table { lead: Vec::new(), ..self.tables[0].clone() });
         self.tables[1..].iter().for_each(|table| report.table(table));

@@ -231,22 +231,8 @@ impl Trial {
             moment(&drawn.put_on(row, after_s), after_s, first_ns, &mut player)
         });
         let mut moments: Vec<Moment> = played.collect();
-        let is_before = |sample: &Sample| sample.time_s > FROM_S && sample.time_s < drawn.begins_s;
-        let is_judged = |sample: &Sample| sample.is_level && sample.time_s > drawn.begins_s;
-        let judged = moments.iter().filter(|moment| is_judged(&moment.sample)).count();
-        let errors: [fn(&mut Sample) -> &mut Option<f64>; 3] =
-            [|it| &mut it.heading_deg, |it| &mut it.carried_deg, |it| &mut it.calibration_deg];
-        for (k, error) in errors.iter().enumerate() {
-            let before = moments.iter_mut().filter(|moment| is_before(&moment.sample));
-            let before: Vec<f64> = before.filter_map(|moment| *error(&mut moment.sample)).collect();
-            if k == 0 && (before.len() < FEWEST || judged < FEWEST) {
-                return None;
-            }
-            let centre_deg = centre_deg(&before);
-            moments.iter_mut().for_each(|moment| {
-                let error = error(&mut moment.sample);
-                *error = error.map(|error| off_deg(error, centre_deg)).map(|off| if k == 0 { off } else { off.abs() });
-            });
+        if !take_constants_out(&mut moments, drawn.begins_s) {
+            return None;
         }
         let before = moments.iter().rev().find(|moment| moment.sample.time_s < drawn.begins_s)?.hard_iron_ut;
         for moment in &mut moments {
@@ -311,6 +297,28 @@ fn moment(row: &Row, after_s: f64, first_ns: i64, player: &mut Player) -> Moment
         ..event
     });
     Moment { sample, hard_iron_ut: step.calibration.map(|known| *known.hard_iron_ut()), event }
+}
+
+/// Takes out of each error its constant before the magnet. Says whether there is enough before it and after.
+fn take_constants_out(moments: &mut [Moment], begins_s: f64) -> bool {
+    let is_before = |sample: &Sample| sample.time_s > FROM_S && sample.time_s < begins_s;
+    let is_judged = |sample: &Sample| sample.is_level && sample.time_s > begins_s;
+    let judged = moments.iter().filter(|moment| is_judged(&moment.sample)).count();
+    let errors: [fn(&mut Sample) -> &mut Option<f64>; 3] =
+        [|it| &mut it.heading_deg, |it| &mut it.carried_deg, |it| &mut it.calibration_deg];
+    for (k, error) in errors.iter().enumerate() {
+        let before = moments.iter_mut().filter(|moment| is_before(&moment.sample));
+        let before: Vec<f64> = before.filter_map(|moment| *error(&mut moment.sample)).collect();
+        if k == 0 && (before.len() < FEWEST || judged < FEWEST) {
+            return false;
+        }
+        let centre_deg = centre_deg(&before);
+        moments.iter_mut().for_each(|moment| {
+            let error = error(&mut moment.sample);
+            *error = error.map(|error| off_deg(error, centre_deg)).map(|off| if k == 0 { off } else { off.abs() });
+        });
+    }
+    true
 }
 
 /// The circular median: that of the sines and that of the cosines.

@@ -9,7 +9,7 @@ use crate::experiment::compare_recording::{FIELD_UT, NOISE_UT, push_inertial};
 use crate::experiment::put_on::{Course, Heading, HeadingJudge};
 use crate::parallel::map_shown;
 use magcomp::nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use magcomp::{Calibration, FitOptions, MagneticSample, Residual, fit_ellipsoid};
+use magcomp::{Calibration, ConfigError, FitOptions, MagneticSample, Residual, fit_ellipsoid};
 use magcomp_recordings::import::{ImportOptions, open};
 use magcomp_recordings::recording::Row;
 use magcomp_replay::Ignore;
@@ -44,6 +44,19 @@ enum Given {
 
 const fn rival(name: &'static str, contestant: Contestant, value: f64, given: Given) -> Rival {
     Rival { name, contestant, value, given }
+}
+
+impl Rival {
+    /// A fresh one; none where it cannot take part, as one that lacks the calibration it is to be given.
+    fn make(&self, initial: Option<Calibration>) -> Result<Option<Box<dyn Baseline>>, ConfigError> {
+        let initial = initial.filter(|_| self.given == Given::Calibrated);
+        if self.given == Given::Calibrated && initial.is_none() {
+            return Ok(None);
+        }
+        let known =
+            Known { seed: 0, noise_ut: NOISE_UT, field_ut: FIELD_UT, parameters: None, initial, reference: false };
+        self.contestant.make(self.value, &known)
+    }
 }
 
 /// All of them, in the order of the tables: from the magnetometer alone, then with gyroscope and accelerometer. magcomp's is the last of each.
@@ -238,18 +251,10 @@ fn compared(path: &Path, groups: &Groups, entries: &[Entry]) -> Result<Compared,
     let mut opened = open(&[path.to_owned()], &ImportOptions::default())?;
     let extent = *opened.source.extent();
     let system = system_of(path, extent.rows)?;
-    let known =
-        Known { seed: 0, noise_ut: NOISE_UT, field_ut: FIELD_UT, parameters: None, initial: None, reference: false };
     let judge = || HeadingJudge::new(&extent, judged_s.map(|judged_s| extent.start_s + judged_s));
     let mut running = Vec::new();
     for rival in RIVALS {
-        let known = match (rival.given, initial) {
-            (Given::Calibrated, Some(_)) => Some(Known { initial, ..known.clone() }),
-            (Given::Calibrated, None) => None,
-            _ => Some(known.clone()),
-        };
-        let method = known.map(|known| rival.contestant.make(rival.value, &known)).transpose()?.flatten();
-        running.push((rival, method, judge()));
+        running.push((rival, rival.make(initial)?, judge()));
     }
     let entered = entries.iter().map(|entry| Ok((entry.answers(&recording, extent.rows)?, judge())));
     let mut entered: Vec<(Option<Vec<EntryLine>>, HeadingJudge)> = entered.collect::<Result<_, RunError>>()?;

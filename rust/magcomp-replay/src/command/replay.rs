@@ -10,20 +10,21 @@ use crate::error::RunError;
 use crate::progress;
 use crate::report::Report;
 use crate::{
-    Bearing, Gathering, Ignore, Judgement, Known, Mark, Outcome, Played, Player, Verdict, read_waypoints,
+    Bearing, Gathering, Ignore, Judgement, Known, Mark, Outcome, Played, Player, Step, Verdict, read_waypoints,
     session_table, usual_part, verdicts_table, write_calibration, write_explain_header, write_explanation,
     write_header, write_row,
 };
 use clap::{Args, ValueEnum};
 use magcomp::nalgebra::Vector3;
-use magcomp::{Config, HeadedAxis, HeadingConfig, ReferenceAxis, WindowedConfig};
+use magcomp::{Config, Event, Explanation, HeadedAxis, HeadingConfig, ReferenceAxis, WindowedConfig};
 use magcomp_recordings::error::RecordingError;
 use magcomp_recordings::import::{ImportOptions, Opened, open};
-use magcomp_recordings::place::{Day, GeoPoint, earth_field_near};
-use magcomp_recordings::recording::{Row, files_of, name_of, unzipped};
+use magcomp_recordings::place::{Day, EarthField, GeoPoint, earth_field_near};
+use magcomp_recordings::recording::{Extent, Row, files_of, name_of, unzipped};
 use serde::Serialize;
 use std::fs::File;
 use std::io::Read;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// What a recording begins with.
@@ -165,7 +166,7 @@ impl Replay {
     pub fn run(self) -> Result<(), RunError> {
         let import = self.import.clone().into();
         match self.play(&self.inputs, &import) {
-            Ok(played) => self.finish(played),
+            Ok(played) => self.finish(&played),
             Err(RunError::Recording(RecordingError::Several { sessions, why })) => {
                 self.replay_each(&import, sessions, why)
             }
@@ -178,12 +179,12 @@ impl Replay {
     }
 
     /// Prints what one recording came to.
-    fn finish(&self, outcome: Outcome) -> Result<(), RunError> {
-        let (tables, verdict) = (outcome.tables.clone(), outcome.verdict.clone());
-        let told = Told { verdict: &verdict, judgement: &outcome.judgement.clone() };
-        let name = self.inputs.first().map_or_else(String::new, |path| name_of(path));
-        self.common.finish_beside(self.output.as_deref(), &tables, &told, || outcome.report())?;
+    fn finish(&self, outcome: &Outcome) -> Result<(), RunError> {
+        let Outcome { tables, verdict, judgement, .. } = outcome;
+        let told = Told { verdict, judgement };
+        self.common.finish_beside(self.output.as_deref(), tables, &told, || outcome.report())?;
         if verdict.is_wrong {
+            let name = self.inputs.first().map_or_else(String::new, |path| name_of(path));
             return Err(RunError::Bad(format!("{name} is bad: {}", verdict.reason())));
         }
         Ok(())
@@ -200,19 +201,7 @@ impl Replay {
         if one_alone {
             return Err(RecordingError::Several { sessions, why }.into());
         }
-        let parts: Vec<(String, PathBuf, ImportOptions)> = if sessions > 0 {
-            let part = |number: usize| {
-                let options = ImportOptions { session: Some(number), ..import.clone() };
-                (format!("{}, session {number}", name_of(&self.inputs[0])), self.inputs[0].clone(), options)
-            };
-            (1..=sessions).map(part).collect()
-        } else {
-            let paths = match self.inputs.as_slice() {
-                [folder] if folder.is_dir() => recordings_of(folder)?,
-                inputs => inputs.to_vec(),
-            };
-            paths.into_iter().map(|path| (name_of(&path), path, import.clone())).collect()
-        };
+        let parts = self.parts(import, sessions)?;
         if parts.len() < 2 {
             return Err(RecordingError::Several { sessions, why }.into());
         }
@@ -220,13 +209,13 @@ impl Replay {
         for (name, path, options) in parts {
             let played = match self.play(std::slice::from_ref(&path), &options) {
                 Ok(outcome) => {
-                    let line = (outcome.judgement.clone(), outcome.verdict.clone());
                     if let Some(folder) = &self.common.report {
                         let place = format!("{:02}_{}", lines.len() + 1, name.replace([' ', ','], "_"));
                         outcome.report()?.write(&folder.join(&place))?;
-                        links.push((format!("{place}/index.html"), format!("{name}: {}", line.1.grade.word())));
+                        links
+                            .push((format!("{place}/index.html"), format!("{name}: {}", outcome.verdict.grade.word())));
                     }
-                    Ok(line)
+                    Ok((outcome.judgement, outcome.verdict))
                 }
                 Err(why) => Err(why.to_string()),
             };
@@ -251,113 +240,58 @@ impl Replay {
         Ok(())
     }
 
+    /// The recordings of a file with several sessions, of a folder, or those that were named: name, place, how it is read.
+    fn parts(
+        &self,
+        import: &ImportOptions,
+        sessions: usize,
+    ) -> Result<Vec<(String, PathBuf, ImportOptions)>, RunError> {
+        if sessions > 0 {
+            let part = |number: usize| {
+                let options = ImportOptions { session: Some(number), ..import.clone() };
+                (format!("{}, session {number}", name_of(&self.inputs[0])), self.inputs[0].clone(), options)
+            };
+            return Ok((1..=sessions).map(part).collect());
+        }
+        let paths = match self.inputs.as_slice() {
+            [folder] if folder.is_dir() => recordings_of(folder)?,
+            inputs => inputs.to_vec(),
+        };
+        Ok(paths.into_iter().map(|path| (name_of(&path), path, import.clone())).collect())
+    }
+
     /// One recording from the first row to the last.
     fn play(&self, sources: &[PathBuf], import: &ImportOptions) -> Result<Outcome, RunError> {
-        let method = self.method.method();
-        let inputs: Vec<&Path> = self.inputs.iter().chain(&self.waypoints).map(PathBuf::as_path).collect();
-        let outputs = [("--output", &self.output), ("--explain", &self.explain), ("--calibration", &self.calibration)];
-        let outputs: Vec<_> = outputs.into_iter().filter_map(|(name, path)| Some((name, path.as_deref()?))).collect();
-        refuse_outputs(&inputs, &outputs, self.common.report.as_deref())?;
-
-        let Opened { mut source, session, warnings, conventions, day, position } = open(sources, import)?;
-        warn(&warnings);
-        warn_of(&conventions);
-        // a log's own position needs no option; it may be older than the model
-        let own = position.filter(|_| self.place.is_none() && self.declination.is_none());
-        let mut notes = Vec::new();
-        let mut at = |place, day| {
-            let (field, told) = earth_field_near(place, day)?;
-            warn(told.as_slice());
-            notes.extend(told);
-            Ok::<_, RecordingError>(field)
-        };
-        let earth = match (self.place, self.date.or(day)) {
-            (Some(place), Some(day)) => Some(at(place, day)?),
-            (Some(_), None) => {
-                let why = "its times do not say the date that --place needs; add --date YYYY-MM-DD";
-                return Err(RunError::Usage(format!("{}: {why}", source.path().display())));
-            }
-            // a height that the model does not hold ends no replay that asked for no place
-            (None, day) => own.zip(day).and_then(|(place, day)| at(place, day).ok()),
-        };
+        self.refuse_outputs()?;
+        let opened = open(sources, import)?;
+        warn(&opened.warnings);
+        warn_of(&opened.conventions);
+        let (earth, mut notes) = self.earth(&opened)?;
+        let Opened { mut source, session, warnings, conventions, .. } = opened;
         let modelled = earth.map(|earth| earth.declination_deg).filter(|deg| deg.is_finite());
         let declination_deg = self.declination.or(modelled);
-        let axis = match self.axis {
-            AxisChoice::Top => ReferenceAxis::TopEdge,
-            AxisChoice::Camera => ReferenceAxis::Camera,
-            AxisChoice::Auto => ReferenceAxis::Auto,
-        };
-        let heading = HeadingConfig { axis, declination_deg, ..HeadingConfig::default() };
-        let windowed = WindowedConfig {
-            residual: self.residual.into(),
-            normalisation: self.normalisation.into(),
-            ..WindowedConfig::default()
-        };
-        let config = Config { method, heading, windowed, rail_ut: self.rail, ..Config::default() };
-        config.validate()?;
-        let ignore = Ignore {
-            gyroscope: self.ignore.contains(&Sensor::Gyro),
-            accelerometer: self.ignore.contains(&Sensor::Accel),
-        };
-
-        let waypoints = self.waypoints.as_deref().map(read_waypoints).transpose()?;
-        let course_of = self.course.map(HeadedAxis::from);
-        let player = || Ok::<_, RunError>(Player::new(&config, ignore)?.aided_by_courses(course_of));
-        let mut players = (0..self.passes).map(|_| player()).collect::<Result<Vec<_>, _>>()?;
-
-        let extent = *source.extent();
-        let usual = usual_part(&extent);
-        let part = self.from.unwrap_or(usual.start)..self.to.unwrap_or(usual.end);
-        let end_s = extent.duration_s();
-        if part.start >= part.end.min(end_s) && end_s > 0.0 {
-            let to = self.to.map_or_else(String::new, |to| format!(" and --to {to}"));
-            let why = format!("leave no row to count: the recording lasts {end_s:.1} s");
-            return Err(RunError::Usage(format!("--from {}{to} {why}", part.start)));
-        }
-
-        let is_true = declination_deg.is_some();
-        let mut output = self.output.as_deref().map(AtomicFile::create).transpose()?;
-        output.iter_mut().try_for_each(|output| output.write(|out| write_header(out, is_true)))?;
-        let mut explained = self.explain.as_deref().map(AtomicFile::create).transpose()?;
-        explained.iter_mut().try_for_each(|explained| explained.write(write_explain_header))?;
-        // where they are written or drawn
-        let is_explained = explained.is_some() || self.common.report.is_some();
-        let mut explanations = Vec::new();
-        let mut told = None;
-        let is_drawn = self.common.report.is_some();
-        let gathering = Gathering::new(&extent, part, axis, &waypoints.unwrap_or_default(), is_drawn);
+        let config = self.config(declination_deg)?;
+        let waypoints = self.waypoints.as_deref().map(read_waypoints).transpose()?.unwrap_or_default();
+        let mut players = self.players(&config)?;
+        let (extent, is_drawn) = (*source.extent(), self.common.report.is_some());
+        let part = self.part(&extent)?;
+        let mut written = Written::create(self, declination_deg.is_some())?;
+        let is_explained = self.explain.is_some() || is_drawn;
+        let gathering = Gathering::new(&extent, part, config.heading.axis, &waypoints, is_drawn);
         let mut gathering = gathering.noted(&self.mark, &self.bearing);
         let bar = progress::bar(extent.rows, "replay");
         let mut rows = source.rows()?.peekable();
         while rows.peek().is_some() {
             let chunk = rows.by_ref().take(CHUNK).collect::<Result<Vec<Row>, _>>()?;
-            let (first, others) = players.split_first_mut().expect("there is at least one pass");
-            let mut steps = Vec::with_capacity(chunk.len());
-            for row in &chunk {
-                steps.push(first.play(row));
-                if is_explained {
-                    explanations.push(first.compensator().explain());
-                }
-            }
-            for player in others {
-                for (step, row) in steps.iter_mut().zip(&chunk) {
-                    step.push_ns = step.push_ns.min(player.play(row).push_ns);
-                }
-            }
+            let (steps, explanations) = play_chunk(&mut players, &chunk, is_explained);
             for (k, (row, step)) in chunk.iter().zip(&steps).enumerate() {
-                output.iter_mut().try_for_each(|output| output.write(|out| write_row(out, row, step, is_true)))?;
+                written.add(row, step, explanations.get(k))?;
                 gathering.add(row, step, explanations.get(k));
             }
-            if let Some(explained) = &mut explained {
-                for ((row, step), explanation) in chunk.iter().zip(&steps).zip(&explanations) {
-                    explained.write(|out| write_explanation(out, row, &step.reading, explanation, &mut told))?;
-                }
-            }
-            explanations.clear();
             bar.inc(chunk.len() as u64);
         }
         bar.finish_and_clear();
-        output.into_iter().chain(explained).try_for_each(AtomicFile::finish)?;
+        written.finish()?;
         if let Some(path) = &self.calibration {
             write_calibration(path, players[0].compensator(), &name_of(source.path()), extent.end_s)?;
         }
@@ -369,6 +303,125 @@ impl Replay {
         }
         let known = Known { session: session.as_ref().map(session_table), conventions, warnings, notes, courses };
         Ok(gathering.finish(&name_of(source.path()), &as_typed(&self.method), earth, &known))
+    }
+
+    fn refuse_outputs(&self) -> Result<(), RunError> {
+        let inputs: Vec<&Path> = self.inputs.iter().chain(&self.waypoints).map(PathBuf::as_path).collect();
+        let outputs = [("--output", &self.output), ("--explain", &self.explain), ("--calibration", &self.calibration)];
+        let outputs: Vec<_> = outputs.into_iter().filter_map(|(name, path)| Some((name, path.as_deref()?))).collect();
+        refuse_outputs(&inputs, &outputs, self.common.report.as_deref())
+    }
+
+    /// What the Earth has where it was recorded, as far as that is known, and what there is to say of it.
+    fn earth(&self, opened: &Opened) -> Result<(Option<EarthField>, Vec<String>), RunError> {
+        // a log's own position needs no option; it may be older than the model
+        let own = opened.position.filter(|_| self.place.is_none() && self.declination.is_none());
+        let mut notes = Vec::new();
+        let mut at = |place, day| {
+            let (field, told) = earth_field_near(place, day)?;
+            warn(told.as_slice());
+            notes.extend(told);
+            Ok::<_, RecordingError>(field)
+        };
+        let earth = match (self.place, self.date.or(opened.day)) {
+            (Some(place), Some(day)) => Some(at(place, day)?),
+            (Some(_), None) => {
+                let why = "its times do not say the date that --place needs; add --date YYYY-MM-DD";
+                return Err(RunError::Usage(format!("{}: {why}", opened.source.path().display())));
+            }
+            // a height that the model does not hold ends no replay that asked for no place
+            (None, day) => own.zip(day).and_then(|(place, day)| at(place, day).ok()),
+        };
+        Ok((earth, notes))
+    }
+
+    fn config(&self, declination_deg: Option<f64>) -> Result<Config, RunError> {
+        let axis = match self.axis {
+            AxisChoice::Top => ReferenceAxis::TopEdge,
+            AxisChoice::Camera => ReferenceAxis::Camera,
+            AxisChoice::Auto => ReferenceAxis::Auto,
+        };
+        let heading = HeadingConfig { axis, declination_deg, ..HeadingConfig::default() };
+        let windowed = WindowedConfig {
+            residual: self.residual.into(),
+            normalisation: self.normalisation.into(),
+            ..WindowedConfig::default()
+        };
+        let config =
+            Config { method: self.method.method(), heading, windowed, rail_ut: self.rail, ..Config::default() };
+        config.validate()?;
+        Ok(config)
+    }
+
+    /// One for each pass.
+    fn players(&self, config: &Config) -> Result<Vec<Player>, RunError> {
+        let ignore = Ignore {
+            gyroscope: self.ignore.contains(&Sensor::Gyro),
+            accelerometer: self.ignore.contains(&Sensor::Accel),
+        };
+        let course_of = self.course.map(HeadedAxis::from);
+        (0..self.passes).map(|_| Ok(Player::new(config, ignore)?.aided_by_courses(course_of))).collect()
+    }
+
+    /// The part that the figures are of, s after the first row.
+    fn part(&self, extent: &Extent) -> Result<Range<f64>, RunError> {
+        let usual = usual_part(extent);
+        let part = self.from.unwrap_or(usual.start)..self.to.unwrap_or(usual.end);
+        let end_s = extent.duration_s();
+        if part.start >= part.end.min(end_s) && end_s > 0.0 {
+            let to = self.to.map_or_else(String::new, |to| format!(" and --to {to}"));
+            let why = format!("leave no row to count: the recording lasts {end_s:.1} s");
+            return Err(RunError::Usage(format!("--from {}{to} {why}", part.start)));
+        }
+        Ok(part)
+    }
+}
+
+/// Plays rows in every pass: the steps, each with its least time, and where it is asked for why each reading said what it said.
+fn play_chunk(players: &mut [Player], chunk: &[Row], is_explained: bool) -> (Vec<Step>, Vec<Explanation>) {
+    let (first, others) = players.split_first_mut().expect("there is at least one pass");
+    let (mut steps, mut explanations) = (Vec::with_capacity(chunk.len()), Vec::new());
+    for row in chunk {
+        steps.push(first.play(row));
+        if is_explained {
+            explanations.push(first.compensator().explain());
+        }
+    }
+    for player in others {
+        for (step, row) in steps.iter_mut().zip(chunk) {
+            step.push_ns = step.push_ns.min(player.play(row).push_ns);
+        }
+    }
+    (steps, explanations)
+}
+
+/// The files with a line for each row, where they are asked for.
+struct Written {
+    output: Option<AtomicFile>,
+    explained: Option<AtomicFile>,
+    is_true: bool,
+    /// The latest event that was explained.
+    told: Option<Event>,
+}
+
+impl Written {
+    fn create(verb: &Replay, is_true: bool) -> Result<Self, RunError> {
+        let create = |path: &Option<PathBuf>| path.as_deref().map(AtomicFile::create).transpose();
+        let (mut output, mut explained) = (create(&verb.output)?, create(&verb.explain)?);
+        output.iter_mut().try_for_each(|output| output.write(|out| write_header(out, is_true)))?;
+        explained.iter_mut().try_for_each(|explained| explained.write(write_explain_header))?;
+        Ok(Self { output, explained, is_true, told: None })
+    }
+
+    fn add(&mut self, row: &Row, step: &Step, explanation: Option<&Explanation>) -> Result<(), RunError> {
+        let Self { output, explained, is_true, told } = self;
+        output.iter_mut().try_for_each(|output| output.write(|out| write_row(out, row, step, *is_true)))?;
+        let mut both = explained.iter_mut().zip(explanation);
+        both.try_for_each(|(file, inside)| file.write(|out| write_explanation(out, row, &step.reading, inside, told)))
+    }
+
+    fn finish(self) -> Result<(), RunError> {
+        self.output.into_iter().chain(self.explained).try_for_each(AtomicFile::finish)
     }
 }
 

@@ -3,9 +3,7 @@
 
 use super::sphere::Sphere;
 use crate::error::RunError;
-use crate::judge::Mark;
-use crate::judge::azimuth_deg;
-use crate::judge::{Circle, off_deg};
+use crate::judge::{Circle, Mark, azimuth_deg, off_deg};
 use crate::play::Step;
 use crate::plot::{Band, Colour, Thin};
 use crate::report::{Moment, Report};
@@ -111,7 +109,7 @@ impl ErrorLine {
         self.azimuths.centre_deg()
     }
 
-    pub fn points(self) -> Vec<(f64, f64)> {
+    pub fn points(&self) -> Vec<(f64, f64)> {
         let centre_deg = self.azimuths.centre_deg();
         self.line.points().into_iter().map(|(x, azimuth_deg)| (x, off_deg(azimuth_deg, centre_deg))).collect()
     }

@@ -25,7 +25,7 @@ use super::turns::Turns;
 use crate::play::Step;
 use crate::statistics::{FEWEST, Sizes, Spread};
 use magcomp::nalgebra::Vector3;
-use magcomp::{Event, ReferenceAxis, RejectReason, Status};
+use magcomp::{Event, Reading, ReferenceAxis, RejectReason, Status};
 use magcomp_recordings::recording::{Extent, Recording, Row};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -137,9 +137,13 @@ impl Judge {
             let sigma_deg = reading.heading.and_then(|heading| heading.heading_sigma_deg);
             self.published.add(-error_deg, sigma_deg, counted);
         }
-        if !is_judged {
-            return;
+        if is_judged {
+            self.add_vectors(row, reading, counted);
         }
+    }
+
+    /// Where the fields of a row point.
+    fn add_vectors(&mut self, row: &Row, reading: &Reading, counted: bool) {
         if let Some(c) = reading.field_ut {
             // c, with its own sigma over its horizontal part; raw on the same rows
             let across_ut = row.attitude.map(|attitude| attitude * c).map_or(f64::NAN, |earth| earth.x.hypot(earth.y));

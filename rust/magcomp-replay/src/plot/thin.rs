@@ -62,11 +62,12 @@ impl Thin {
     }
 
     /// The thinned line: at most 1400 points, if no more came than were announced.
-    pub fn points(mut self) -> Vec<(f64, f64)> {
-        if self.count > 0 {
-            self.end_stretch();
+    pub fn points(&self) -> Vec<(f64, f64)> {
+        let mut whole = self.clone();
+        if whole.count > 0 {
+            whole.end_stretch();
         }
-        self.points
+        whole.points
     }
 }
 
