@@ -1,5 +1,5 @@
 //! The adaptive method on simulated streams: what its documentation claims, on few seeds; the figures quoted there are of
-//! many more (`magcomp step --method adaptive`, `magcomp compare`).
+//! many more (`magcomp evaluate --method adaptive`, `magcomp compare`).
 
 mod limits;
 

@@ -5,6 +5,9 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 use std::str::FromStr;
 
+/// Help of the option that names random numbers.
+pub(super) const SEED: &str = "Names the random numbers: the same seed gives the same result";
+
 /// The recordings of the repository.
 pub(super) const OURS: &str = "tests/recordings";
 

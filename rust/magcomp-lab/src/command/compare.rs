@@ -1,5 +1,6 @@
 //! `magcomp compare`.
 
+use super::common::SEED;
 use crate::baseline::Contestant;
 use crate::catalogue::{COMPARED, Variant, find};
 use crate::experiment::compare::{MethodScore, run_variant, tune};
@@ -62,6 +63,8 @@ pub(super) struct Compare {
     /// A program of your own beside the methods: a folder with its answers to each recording (benchmarks/README.md)
     #[arg(long, value_name = "NAME=DIR", requires = "folder")]
     entry: Vec<Entry>,
+    #[arg(long, default_value_t = 1, help = SEED)]
+    seed: u64,
     #[command(flatten)]
     common: Common,
 }
@@ -135,14 +138,14 @@ impl Compare {
         let usual = || COMPARED.iter().map(|name| find(name)).collect::<Result<Vec<_>, _>>().map_err(RunError::Usage);
         let variants = if self.scenario.is_empty() { usual()? } else { self.scenario.clone() };
         let methods = self.methods();
-        let seeds = self.common.seed..self.common.seed + u64::from(self.runs);
+        let seeds = self.seed..self.seed + u64::from(self.runs);
         let bar = progress::bar(variants.len() * methods.len(), "compare");
         let mut all = Vec::new();
         for variant in variants {
             let variant = variant.with_noise(self.snr.map(Noise::SnrDb));
             let (mut scores, mut aided) = (Vec::new(), Vec::new());
             for contestant in &methods {
-                let value = tune(&variant, self.common.seed, *contestant)?;
+                let value = tune(&variant, self.seed, *contestant)?;
                 if let Some((before, runs)) = run_variant(&variant, seeds.clone(), *contestant, value)? {
                     let tuned = (contestant.grid().len() > 1).then_some(value);
                     let score = MethodScore::of(&contestant.name(), tuned, before, &runs);
@@ -193,7 +196,7 @@ impl Compare {
             let mut opened = open(std::slice::from_ref(path), &ImportOptions::default())?;
             warn(&opened.warnings);
             let extent = *opened.source.extent();
-            let scores = compare_rows(&extent, opened.source.rows()?, &methods, self.common.seed)?;
+            let scores = compare_rows(&extent, opened.source.rows()?, &methods, self.seed)?;
             let (aided, methods): (Vec<_>, Vec<_>) = scores.into_iter().partition(|score| score.aided);
             all.push(Recorded { recording: name_of(path), methods, aided });
         }

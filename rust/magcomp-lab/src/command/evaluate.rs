@@ -69,23 +69,19 @@ pub(super) struct Evaluate {
     /// declination_deg: how far magnetic north is east of the reference's; 0 when empty. Without an index all are one group.
     #[arg(long, value_name = "CSV", requires = "recordings")]
     index: Option<PathBuf>,
-    /// Print the numbers, each run's too, as JSON instead of a table
-    #[arg(long)]
-    json: bool,
-    /// Write one HTML page with the tables into this folder
-    #[arg(long, value_name = "DIR")]
-    report: Option<PathBuf>,
+    #[command(flatten)]
+    common: Common,
 }
 
 impl Evaluate {
     pub fn run(self) -> Result<(), RunError> {
         let seeds = self.seeds.unwrap_or(USUAL);
-        let common = Common { seed: seeds.0, json: self.json, report: self.report.clone() };
+        let common = &self.common;
         if self.magnets {
-            return self.with_magnets(&common);
+            return self.with_magnets(common);
         }
         if let Some(folder) = &self.recordings {
-            return self.recorded(folder, &common);
+            return self.recorded(folder, common);
         }
         let variants = self.variants()?;
         if self.list {

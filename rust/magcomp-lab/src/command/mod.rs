@@ -2,12 +2,11 @@
 
 mod common;
 mod compare;
-mod crb;
 mod demo;
 mod evaluate;
+mod paper;
 mod sensitivity;
 mod simulate;
-mod step;
 
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
@@ -38,8 +37,9 @@ enum Verb {
     Import(Import),
     Check(Check),
     Replay(Box<Replay>),
-    Step(step::Step),
-    Crb(crb::Crb),
+    /// The paper's experiments, simulated (docs/dev/PAPER.md)
+    #[command(subcommand)]
+    Paper(paper::Paper),
     Compare(compare::Compare),
     Evaluate(evaluate::Evaluate),
     Sensitivity(sensitivity::Sensitivity),
@@ -61,8 +61,7 @@ impl Cli {
             Verb::Import(verb) => verb.run(),
             Verb::Check(verb) => verb.run(),
             Verb::Replay(verb) => verb.run(),
-            Verb::Step(verb) => verb.run(),
-            Verb::Crb(verb) => verb.run(),
+            Verb::Paper(verb) => verb.run(),
             Verb::Compare(verb) => verb.run(),
             Verb::Evaluate(verb) => verb.run(),
             Verb::Sensitivity(verb) => verb.run(),
@@ -87,8 +86,10 @@ fn manual(out: &mut dyn Write) -> io::Result<()> {
     page.render_synopsis_section(out)?;
     page.render_description_section(out)?;
     page.render_subcommands_section(out)?;
-    for verb in command.get_subcommands().filter(|verb| verb.get_name() != "help") {
-        writeln!(out, ".SH {}", verb.get_name().to_uppercase())?;
+    let verbs = command.get_subcommands().flat_map(|verb| std::iter::once(verb).chain(verb.get_subcommands()));
+    for verb in verbs.filter(|verb| verb.get_name() != "help") {
+        let name = verb.get_bin_name().unwrap_or_default().trim_start_matches("magcomp ");
+        writeln!(out, ".SH {}", name.to_uppercase())?;
         let page = clap_mangen::Man::new(verb.clone());
         let mut text = Vec::new();
         page.render_description_section(&mut text)?;

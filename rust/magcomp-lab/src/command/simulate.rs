@@ -1,5 +1,6 @@
 //! `magcomp simulate`.
 
+use super::common::SEED;
 use crate::course::{Course, DevicePart};
 use crate::inertial::InertialSensor;
 use crate::motion::Motion;
@@ -80,6 +81,8 @@ pub(super) struct Simulate {
     /// Accelerometer noise per axis, m/s^2
     #[arg(long, default_value_t = 0.05, value_parser = |text: &str| between(text, 0.0, 100.0))]
     accel_noise: f64,
+    #[arg(long, default_value_t = 1, help = SEED)]
+    seed: u64,
     #[command(flatten)]
     common: Common,
 }
@@ -167,9 +170,9 @@ impl Simulate {
         });
         let spikes = (self.spikes > 0.0).then_some(Spikes { share: self.spikes, size_ut: (30.0, 150.0) });
         let noise = self.noise_ut.map_or(Noise::SnrDb(self.snr), Noise::Ut);
-        let mut random = Random::new(self.common.seed, Purpose::Motion);
+        let mut random = Random::new(self.seed, Purpose::Motion);
         Ok(Scenario {
-            seed: self.common.seed,
+            seed: self.seed,
             duration_s: self.seconds,
             trajectory: self.motion.trajectory(self.seconds, 1.0 / self.rate, &mut random),
             earth_ut,

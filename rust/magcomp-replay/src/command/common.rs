@@ -18,9 +18,6 @@ const STDOUT: &str = "/dev/fd/1";
 /// Options of every verb.
 #[derive(Clone, Debug, Args)]
 pub struct Common {
-    /// Names the random numbers: the same seed gives the same result (replay draws none)
-    #[arg(long, default_value_t = 1)]
-    pub seed: u64,
     /// Print the numbers as JSON instead of a table
     #[arg(long)]
     pub json: bool,
