@@ -13,7 +13,7 @@ use magcomp::{Calibration, Explanation};
 use magcomp_recordings::recording::{Extent, Recording, Row};
 
 /// Lanes of the status strip, from the bottom, and their colours.
-pub(crate) const LANES: [(&str, Colour); 6] = [
+pub(super) const LANES: [(&str, Colour); 6] = [
     ("rejected", Colour::Status(0)),
     ("disturbed", Colour::Status(1)),
     ("suspect", Colour::Status(2)),
@@ -27,48 +27,48 @@ const PIXELS: usize = 1000;
 /// A replay as a picture, made row by row in memory that does not grow with it.
 #[derive(Clone, Debug, Default)]
 pub struct Figures {
-    pub(crate) extent: Extent,
+    pub(super) extent: Extent,
     rows: usize,
-    pub(crate) raw: Thin,
-    pub(crate) corrected: Thin,
-    pub(crate) raw_error: ErrorLine,
-    pub(crate) corrected_error: ErrorLine,
-    pub(crate) heading_error: ErrorLine,
-    pub(crate) two_sigma: Sizes,
-    pub(crate) band: Band,
-    pub(crate) system: Thin,
-    pub(crate) total_field: Sizes,
-    pub(crate) raw_field: Sizes,
-    pub(crate) heading: Vec<(f64, f64)>,
-    pub(crate) heading_band: Band,
-    pub(crate) dip: Thin,
-    pub(crate) truth: [Thin; 3],
+    pub(super) raw: Thin,
+    pub(super) corrected: Thin,
+    pub(super) raw_error: ErrorLine,
+    pub(super) corrected_error: ErrorLine,
+    pub(super) heading_error: ErrorLine,
+    pub(super) two_sigma: Sizes,
+    pub(super) band: Band,
+    pub(super) system: Thin,
+    pub(super) total_field: Sizes,
+    pub(super) raw_field: Sizes,
+    pub(super) heading: Vec<(f64, f64)>,
+    pub(super) heading_band: Band,
+    pub(super) dip: Thin,
+    pub(super) truth: [Thin; 3],
     /// b, then M_xx M_yy M_zz less 1 and M_xy M_xz M_yz, with one sigma to both sides.
-    pub(crate) parameters: [Thin; 9],
-    pub(crate) parameter_bands: [Band; 9],
-    pub(crate) sphere: Sphere,
-    pub(crate) window: Thin,
-    pub(crate) sigma_t: Thin,
-    pub(crate) any_sigma_t: bool,
+    pub(super) parameters: [Thin; 9],
+    pub(super) parameter_bands: [Band; 9],
+    pub(super) sphere: Sphere,
+    pub(super) window: Thin,
+    pub(super) sigma_t: Thin,
+    pub(super) any_sigma_t: bool,
     /// Why, where it is told.
-    pub(crate) inside: Option<Inside>,
+    pub(super) inside: Option<Inside>,
     /// For each lane of the status strip, from when to when, s.
-    pub(crate) lanes: [Vec<(f64, f64)>; LANES.len()],
+    pub(super) lanes: [Vec<(f64, f64)>; LANES.len()],
     /// The lane of the latest row.
     lane: Option<usize>,
     /// For the cursor: time, s; heading and its two sigmas, degrees; where north was by the reference, degrees; status.
-    pub(crate) moments: Vec<Moment>,
+    pub(super) moments: Vec<Moment>,
     /// What a tester noted: s after the first row, and its name.
-    pub(crate) noted: Vec<(f64, String)>,
+    pub(super) noted: Vec<(f64, String)>,
 }
 
 /// The inside of the estimator over time.
 #[derive(Clone, Debug)]
-pub(crate) struct Inside {
-    pub(crate) ratio: Thin,
-    pub(crate) log_odds: Thin,
-    pub(crate) white_ut: Thin,
-    pub(crate) local_ut: Thin,
+pub(super) struct Inside {
+    pub(super) ratio: Thin,
+    pub(super) log_odds: Thin,
+    pub(super) white_ut: Thin,
+    pub(super) local_ut: Thin,
 }
 
 impl Inside {
@@ -89,7 +89,7 @@ impl Inside {
 /// Azimuths as a line about their median, which is known only at the end. Within a stretch an azimuth is stored by its
 /// difference from another one, so that the lowest and the highest are those of one turn.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct ErrorLine {
+pub(super) struct ErrorLine {
     azimuths: Circle,
     line: Thin,
 }

@@ -10,7 +10,7 @@ use serde::Serialize;
 /// Samples kept, at most.
 const MOST: usize = 4000;
 /// Samples that an epoch needs to be shown.
-pub(crate) const FEWEST: usize = 20;
+pub(super) const FEWEST: usize = 20;
 /// Events whose onsets are closer than this share a mark, ns: the later decision is about the same change.
 const TOGETHER_NS: i64 = 500_000_000;
 /// The page that turns and scrubs.
@@ -20,7 +20,7 @@ const DATA: &str = "/*DATA*/";
 
 /// A sample of the picture.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sample {
+pub(super) struct Sample {
     /// s after the first row.
     pub time_s: f64,
     pub raw: Vector3<f64>,
@@ -31,7 +31,7 @@ pub(crate) struct Sample {
 
 /// A stretch of time between two decided changes.
 #[derive(Clone, Debug)]
-pub(crate) struct Epoch<'a> {
+pub(super) struct Epoch<'a> {
     /// The event that began the stretch; none for the first.
     pub event: Option<Event>,
     /// From when to when, s after the first row.
@@ -99,7 +99,7 @@ impl Sphere {
     }
 
     /// The stretches between decided changes that have samples enough.
-    pub(crate) fn epochs(&self) -> Vec<Epoch<'_>> {
+    pub(super) fn epochs(&self) -> Vec<Epoch<'_>> {
         let seconds = |time_ns: i64| (time_ns - self.extent.start_ns) as f64 / 1e9;
         let mut begins = vec![(None, f64::NEG_INFINITY)];
         begins.extend(self.events.iter().map(|event| (Some(*event), seconds(event.since_ns))));
@@ -116,12 +116,12 @@ impl Sphere {
     }
 
     /// The onsets of the events so far, s after the first row, each with the kinds that were decided for it.
-    pub(crate) fn marks(&self) -> Vec<(f64, String)> {
+    pub(super) fn marks(&self) -> Vec<(f64, String)> {
         marks(&self.events, self.extent.start_ns)
     }
 
     /// The interactive page; `recording` is the recording's name.
-    pub(crate) fn page(&self, recording: &str) -> String {
+    pub(super) fn page(&self, recording: &str) -> String {
         PAGE.replace(DATA, &self.data(recording).replace('<', "\\u003c"))
     }
 

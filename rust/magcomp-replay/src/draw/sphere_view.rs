@@ -32,7 +32,7 @@ const PROJECTIONS: [(usize, usize, &str); 3] =
     [(0, 1, "x right, y up"), (0, 2, "x right, z up"), (1, 2, "y right, z up")];
 
 /// Adds the picture `NAME_sphere.svg` and the page `NAME_sphere.html`; `recording` is the recording's name.
-pub(crate) fn show(sphere: &Sphere, report: &mut Report, name: &str, recording: &str) {
+pub(super) fn show(sphere: &Sphere, report: &mut Report, name: &str, recording: &str) {
     let epochs = sphere.epochs();
     if epochs.is_empty() {
         return;

@@ -5,10 +5,10 @@ use magcomp::nalgebra::Vector2;
 use std::fmt::Write as _;
 
 /// Edge of a panel, pixels.
-pub(crate) const PANEL: f64 = 275.0;
+pub(super) const PANEL: f64 = 275.0;
 
 /// A picture of this size, light and dark.
-pub(crate) fn picture(width: f64, height: f64, draw: impl FnOnce(&mut String)) -> String {
+pub(super) fn picture(width: f64, height: f64, draw: impl FnOnce(&mut String)) -> String {
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"12\">\n\
          <rect width=\"{width}\" height=\"{height}\" fill=\"#FFFFFF\"/>\n"
@@ -19,7 +19,7 @@ pub(crate) fn picture(width: f64, height: f64, draw: impl FnOnce(&mut String)) -
 }
 
 /// A square panel whose middle is the origin.
-pub(crate) struct Square {
+pub(super) struct Square {
     /// Pixels from the left and the top of the picture.
     pub left: f64,
     pub top: f64,
@@ -91,7 +91,7 @@ impl Square {
 }
 
 /// A line of text.
-pub(crate) fn text(out: &mut String, x: f64, y: f64, size: u32, text: &str) {
+pub(super) fn text(out: &mut String, x: f64, y: f64, size: u32, text: &str) {
     let text = text.replace('&', "&amp;").replace('<', "&lt;");
     let _ = writeln!(out, "<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\" fill=\"#22262B\">{text}</text>");
 }

@@ -43,7 +43,7 @@ pub struct AbsoluteHeading {
 
 /// Sums of the above, row by row.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Absolute {
+pub(super) struct Absolute {
     axis: ReferenceAxis,
     first_s: Option<f64>,
     rows: usize,

@@ -58,7 +58,7 @@ struct Change {
 
 /// Changes, row by row.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Changes {
+pub(super) struct Changes {
     kept: VecDeque<(i64, Vector3<f64>)>,
     devices: Vec<Change>,
     places: Vec<(i64, i64)>,

@@ -26,7 +26,7 @@ impl<T> Kinds<T> {
 
 /// Vectors of one kind: the spread of their lengths, and the azimuths they have by the reference.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Directions {
+pub(super) struct Directions {
     pub lengths: Spread,
     pub azimuths: Circle,
 }

@@ -47,7 +47,7 @@ impl KnownHeading {
 
 /// The above in the making.
 #[derive(Debug, Default)]
-pub(crate) struct Known {
+pub(super) struct Known {
     axis: ReferenceAxis,
     rows: usize,
     useful: Sizes,

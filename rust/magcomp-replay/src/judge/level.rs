@@ -14,7 +14,7 @@ const UP_TIME_S: f64 = 1.0;
 
 /// `up` in the device: the accelerometer averaged over a second.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct AveragedUp {
+pub(super) struct AveragedUp {
     up: Option<Vector3<f64>>,
     before_s: Option<f64>,
 }
@@ -34,7 +34,7 @@ impl AveragedUp {
 
 /// The attitude by gyroscope and gravity.
 #[derive(Default)]
-pub(crate) struct Level {
+pub(super) struct Level {
     averaged: AveragedUp,
     up: Option<Vector3<f64>>,
     filter: Option<VQF>,

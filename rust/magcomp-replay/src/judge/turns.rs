@@ -32,7 +32,7 @@ pub struct TurnJudgement {
 
 /// Points of the turn in the making, and the sums of those that were made.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Turns {
+pub(super) struct Turns {
     before: Option<(f64, UnitQuaternion<f64>)>,
     /// Turned so far about the vertical, degrees.
     turned_deg: f64,

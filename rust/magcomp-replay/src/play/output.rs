@@ -42,12 +42,12 @@ pub fn write_row(out: &mut dyn Write, row: &Row, step: &Step, true_heading: bool
     writeln!(out)
 }
 
-pub(crate) fn vector(out: &mut dyn Write, value: Option<Vector3<f64>>, digits: usize) -> io::Result<()> {
+pub(super) fn vector(out: &mut dyn Write, value: Option<Vector3<f64>>, digits: usize) -> io::Result<()> {
     (0..3).try_for_each(|i| cell(out, value.map(|v| v[i]), digits))
 }
 
 /// A number, or an empty cell where it is not known.
-pub(crate) fn cell(out: &mut dyn Write, value: Option<f64>, digits: usize) -> io::Result<()> {
+pub(super) fn cell(out: &mut dyn Write, value: Option<f64>, digits: usize) -> io::Result<()> {
     match value {
         Some(v) => write!(out, ",{v:.digits$}"),
         None => write!(out, ","),

@@ -7,12 +7,12 @@ use crate::statistics::MeanSpread;
 use crate::table::number;
 
 /// Total fields that the Earth has at its surface, uT.
-pub(crate) const EARTH_UT: (f64, f64) = (22.0, 67.0);
+pub(super) const EARTH_UT: (f64, f64) = (22.0, 67.0);
 /// Most changes that are told in words.
 const MOST_CHANGES: usize = 12;
 
 /// What a replay comes to, a sentence or two each: heading, field, changes.
-pub(crate) fn sentences(judgement: &Judgement) -> Vec<String> {
+pub(super) fn sentences(judgement: &Judgement) -> Vec<String> {
     let heading = reference_sentence(judgement).or_else(|| legs_sentence(judgement));
     let turns = turns_sentence(judgement).filter(|_| judgement.heading.is_none());
     let listed = |what: &str, told: Vec<String>| (!told.is_empty()).then(|| format!("{what}: {}.", told.join("; ")));
@@ -116,16 +116,16 @@ fn device_words(change: &DeviceChange) -> String {
     format!("{what} {:.1} s{by}", change.since_s)
 }
 
-pub(crate) fn counted(count: usize, noun: &str) -> String {
+pub(super) fn counted(count: usize, noun: &str) -> String {
     format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
 /// One digit after the point below 10, none from there on.
-pub(crate) fn short(value: f64) -> String {
+pub(super) fn short(value: f64) -> String {
     number(Some(value), if value < 9.95 { 1 } else { 0 })
 }
 
-pub(crate) fn signed(value: f64) -> String {
+pub(super) fn signed(value: f64) -> String {
     format!("{value:+.1}")
 }
 
