@@ -390,7 +390,7 @@ def headline(pages):
 def steps(pages):
     """COMPARISON's seconds beside the paper's method with magcomp's checks."""
     for motion in ("tumble", "walk"):
-        arguments = ["step", "--motion", motion, "--runs", "20"]
+        arguments = ["paper", "phone", "--motion", motion, "--runs", "20"]
         found = magcomp(*arguments)
         both = [answer(found, name)["below_2_deg"] for name in ("windowed, c", "aided, c")]
         values = [one[key] for one in both for key in ("median", "worst")]
@@ -399,9 +399,9 @@ def steps(pages):
 
 def paper(pages):
     page = "docs/dev/PAPER.md"
-    usual = half(magcomp("step", "--normalisation", "half-range"))
-    algebraic = half(magcomp("step", "--normalisation", "half-range", "--residual", "algebraic"))
-    pages.sentence(page, "`magcomp step --normalisation half-range`: sigma_T {:.3f}, N {:.0f}", [usual["sigma_t"]["mean"], usual["window"]["mean"]])
+    usual = half(magcomp("paper", "step", "--normalisation", "half-range"))
+    algebraic = half(magcomp("paper", "step", "--normalisation", "half-range", "--residual", "algebraic"))
+    pages.sentence(page, "`magcomp paper step --normalisation half-range`: sigma_T {:.3f}, N {:.0f}", [usual["sigma_t"]["mean"], usual["window"]["mean"]])
     pages.sentence(page, "{:.0f} +- {:.0f} for the slowest parameter", slowest(usual))
     pages.sentence(page, "whose window is not cut: {:.0f} +- {:.0f}", slowest(algebraic))
     pages.sentence(page, "hardly matters: {:.2f} and {:.2f} %", [max(steady(usual)), max(steady(algebraic))])
@@ -409,17 +409,17 @@ def paper(pages):
     pages.sentence(page, "| {:.1f} and {:.1f} deg, mean of the peaks |", [kept["azimuth_deg"]["mean"], kept["elevation_deg"]["mean"]])
     angles = [after[angle][which] for which in ("mean", "max") for angle in ("azimuth_deg", "elevation_deg")]
     pages.sentence(page, "after the transient {:.1f} and {:.1f} deg mean, {:.1f} and {:.1f} deg at most", angles)
-    longer = half(magcomp("step", "--normalisation", "half-range", "--n-max", "4000"))
+    longer = half(magcomp("paper", "step", "--normalisation", "half-range", "--n-max", "4000"))
     pages.sentence(page, "--n-max 4000`: N {:.0f}, longest transient {:.0f} samples, worst steady error {:.1f} % instead of {:.1f} %",
                    [longer["window"]["mean"], slowest(longer)[0], max(steady(longer)), max(steady(usual))])
-    planar = half(magcomp("step", "--motion", "planar", "--normalisation", "half-range", "--runs", "20"))
+    planar = half(magcomp("paper", "step", "--motion", "planar", "--normalisation", "half-range", "--runs", "20"))
     pages.sentence(page, "--runs 20`: sigma_T {:.2f} +- {:.2f}; errors of {:.0f} to {:.0f} % after the step",
                    [planar["sigma_t"]["mean"], planar["sigma_t"]["sd"], min(steady(planar)), max(steady(planar))])
-    still = half(magcomp("step", "--motion", "still", "--normalisation", "half-range", "--runs", "10"))
+    still = half(magcomp("paper", "step", "--motion", "still", "--normalisation", "half-range", "--runs", "10"))
     pages.sentence(page, "--runs 10`: {:.2f} +- {:.2f}, nothing followed", [still["sigma_t"]["mean"], still["sigma_t"]["sd"]])
-    stroll = half(magcomp("step", "--motion", "stroll", "--normalisation", "half-range", "--runs", "3"))
+    stroll = half(magcomp("paper", "step", "--motion", "stroll", "--normalisation", "half-range", "--runs", "3"))
     pages.sentence(page, "strolling leaves {:.0f} to {:.0f} %", [min(steady(stroll)), max(steady(stroll))])
-    bound = magcomp("crb", "--runs", "100", "--snr", "35,40")["rows"]
+    bound = magcomp("paper", "bound", "--runs", "100", "--snr", "35,40")["rows"]
     ratios = [ratio for row in bound for ratio in row["corrected"]]
     diagonal = lambda snr: [row["algebraic"][0] for row in bound if row["snr_db"] == snr]
     pages.sentence(page, "corrected: {:.2f} to {:.2f} of the bound in all groups. (10) as written, in the diagonal of M: {:.2f} to {:.2f} at 40 dB and {:.2f} to "
@@ -432,7 +432,7 @@ def aided(pages):
     for motion, name in (("tumble", "tumbling"), ("walk", "walking")):
         for snr in (40, 30):
             noise = ["--snr", "30"] if snr == 30 else []
-            found = magcomp("step", "--runs", "20", "--motion", motion, *poor, *noise)
+            found = magcomp("paper", "phone", "--runs", "20", "--motion", motion, *poor, *noise)
             seconds = answer(found, "aided, c")["below_2_deg"]
             within = next(one for one in found["methods"] if one["method"] == "Aided")["line"]["within"]
             pages.sentence("docs/dev/METHOD-AIDED.md", f"| {name}, {snr} dB | {{:.1f}} s | {{:.1f}} s | {{:.0f}} %, {{:.0f}} % |",

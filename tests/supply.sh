@@ -34,7 +34,7 @@ deny() {
 
 features() {
     need_cargo supply cargo-hack@0.6.46
-    cargo hack --feature-powerset clippy --quiet --locked -p magcomp -p magcomp-recordings -p magcomp-lab -p magcomp-ffi -- -D warnings
+    cargo hack --feature-powerset clippy --quiet --locked -p magcomp -p magcomp-recordings -p magcomp-replay -p magcomp-lab -p magcomp-ffi -- -D warnings
 }
 
 minimal() {

@@ -10,7 +10,7 @@ import re
 import sys
 
 here = pathlib.Path(__file__).parent
-lab = here.parent / "rust/magcomp-lab/src"
+replay = here.parent / "rust/magcomp-replay/src"
 module, page = map(pathlib.Path, sys.argv[1:])
 
 
@@ -34,11 +34,11 @@ def example():
 
 parts = {name: (here / "page" / name).read_text() for name in ("page.css", "page.js", "worker.js")}
 parts["example"] = base64.b64encode(example()).decode()
-parts["report.css"] = (lab / "report.css").read_text()
+parts["report.css"] = (replay / "report.css").read_text()
 parts["wasm"] = base64.b64encode(gzip.compress(module.read_bytes(), 9, mtime=0)).decode()
 # the report has a cursor, and shows the sphere: their scripts are the same for every recording
-[sphere] = re.findall(r"<script>(.*?)</script>", (lab / "replay/sphere.html").read_text(), re.DOTALL)
-cursor = (lab / "report.js").read_text()
+[sphere] = re.findall(r"<script>(.*?)</script>", (replay / "draw/sphere.html").read_text(), re.DOTALL)
+cursor = (replay / "report.js").read_text()
 parts["policy"] = "; ".join(
     [
         "default-src 'none'",

@@ -1,10 +1,10 @@
 //! One replay, a chunk of rows at a time, so that the page can show how far it is.
 
 use magcomp::{Config, HeadingConfig, ReferenceAxis};
-use magcomp_lab::replay::{
+use magcomp_replay::{
     Gathering, Ignore, Known, Player, calibration_json, session_table, usual_part, write_header, write_row,
 };
-use magcomp_lab::report::quoted;
+use magcomp_replay::report::quoted;
 use magcomp_recordings::conventions::{Conventions, Finding};
 use magcomp_recordings::import::{ImportOptions, Opened, open_bytes};
 use magcomp_recordings::place::{Day, EarthField, GeoPoint, earth_field};

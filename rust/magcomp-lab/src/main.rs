@@ -1,9 +1,9 @@
 //! The command `magcomp`: reads the arguments, runs a verb, turns its result into an exit code.
 
 use clap::Parser;
-use magcomp_lab::atomic::remove_unfinished_on_signals;
 use magcomp_lab::command::Cli;
-use magcomp_lab::error::LabError;
+use magcomp_replay::atomic::remove_unfinished_on_signals;
+use magcomp_replay::error::RunError;
 use std::process::ExitCode;
 
 /// The input or the run failed.
@@ -30,7 +30,7 @@ fn main() -> ExitCode {
         Err(error) if error.is_broken_pipe() => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("magcomp: {error}");
-            if matches!(error, LabError::Bad(_)) {
+            if matches!(error, RunError::Bad(_)) {
                 return ExitCode::from(BAD);
             }
             ExitCode::from(if error.is_usage() { USAGE } else { FAILED })

@@ -1,5 +1,6 @@
 //! Work over all cores, with results that do not depend on their number.
 
+use magcomp_replay::progress;
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -25,6 +26,23 @@ pub fn map<T: Sync, R: Send>(items: &[T], threads: NonZeroUsize, of: impl Fn(&T)
     });
     all.sort_by_key(|(k, _)| *k);
     all.into_iter().map(|(_, result)| result).collect()
+}
+
+/// What `of` makes of each item, as [`map`], a step of progress for each.
+pub fn map_shown<T: Sync, R: Send>(
+    what: &'static str,
+    items: &[T],
+    threads: NonZeroUsize,
+    of: impl Fn(&T) -> R + Sync,
+) -> Vec<R> {
+    let bar = progress::bar(items.len(), what);
+    let made = map(items, threads, |item| {
+        let made = of(item);
+        bar.inc(1);
+        made
+    });
+    bar.finish_and_clear();
+    made
 }
 
 #[cfg(test)]

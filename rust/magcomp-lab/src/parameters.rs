@@ -1,9 +1,10 @@
 //! The nine parameters of h_m = M h + b (eq. 8) in the paper's units, |h| = 1, and the named sets of the experiments.
 
-use crate::error::LabError;
 use clap::{Args, ValueEnum};
 use magcomp::nalgebra::{Matrix3, Vector3};
 use magcomp::{Calibration, Disturbance, FactoryErrors};
+use magcomp_replay::command::as_typed;
+use magcomp_replay::error::RunError;
 use std::str::FromStr;
 
 /// Names of the parameters, in the order of [`Parameters::theta`].
@@ -53,11 +54,6 @@ impl Parameters {
     pub fn times(&self, factor: f64) -> Self {
         Self { soft_iron: self.soft_iron * factor, hard_iron: self.hard_iron * factor }
     }
-}
-
-/// A choice as it is typed on the command line.
-pub fn as_typed(choice: &impl ValueEnum) -> String {
-    choice.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
 /// The sets of parameters the experiments start from; the paper does not print its own.
@@ -124,7 +120,7 @@ impl TrueParameters {
     }
 
     /// The parameters; of `usual` where none are given.
-    pub fn parameters(&self, usual: ParameterSet) -> Result<Parameters, LabError> {
+    pub fn parameters(&self, usual: ParameterSet) -> Result<Parameters, RunError> {
         let Parameters { mut soft_iron, mut hard_iron } = self.set.unwrap_or(usual).parameters();
         if !self.are_own() {
             return Ok(Parameters { soft_iron, hard_iron });
@@ -145,7 +141,7 @@ impl TrueParameters {
             // the strength of the field is the unit here
             Calibration::from_any(m, b, 1.0)
         };
-        let (calibration, _) = composed().map_err(|why| LabError::Usage(format!("the true parameters: {why}")))?;
+        let (calibration, _) = composed().map_err(|why| RunError::Usage(format!("the true parameters: {why}")))?;
         Ok(Parameters::of(&calibration))
     }
 }
@@ -202,7 +198,7 @@ mod tests {
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");
         }
         let flat = TrueParameters { axes: Some("1,0,0,0,1,0,1,1,0".parse().unwrap()), ..factory };
-        assert!(matches!(usual(flat), Err(LabError::Usage(_))));
+        assert!(matches!(usual(flat), Err(RunError::Usage(_))));
         assert!("1,2".parse::<Numbers<3>>().is_err() && "1,2,nan".parse::<Numbers<3>>().is_err());
     }
 

@@ -215,7 +215,7 @@ mod tests {
                 side[lag..].iter().zip(&side).map(|(a, b)| a * b).sum::<f64>() / square / (COUNT - lag) as f64
             }));
         }
-        let middle = |values: Vec<f64>| crate::statistics::median(values).unwrap();
+        let middle = |values: Vec<f64>| magcomp_replay::statistics::median(values).unwrap();
         let is_within = |what: &str, found: f64, least: f64, most: f64| {
             assert!((least..=most).contains(&found), "{what}: {found}, not {least} to {most}");
         };

@@ -1,5 +1,5 @@
 //! The adaptive method on simulated streams: what its documentation claims, on few seeds; the figures quoted there are of
-//! many more (`magcomp step --method adaptive`, `magcomp compare`).
+//! many more (`magcomp evaluate --method adaptive`, `magcomp compare`).
 
 mod limits;
 
@@ -10,10 +10,10 @@ use magcomp_lab::catalogue::find;
 use magcomp_lab::experiment::compare::{MethodScore, run_variant};
 use magcomp_lab::experiment::judge as judged;
 use magcomp_lab::parallel::{cores, map};
-use magcomp_lab::replay::{Ignore, Step, judge, replay};
 use magcomp_lab::score::Figures;
 use magcomp_lab::simulate::Noise;
 use magcomp_recordings::recording::read;
+use magcomp_replay::{Ignore, Step, judge, replay};
 
 /// The calibration of the magnetometer alone, without gravity, judged as `magcomp compare` does.
 fn alone_at(name: &str, runs: u64, seed: u64, snr_db: Option<f64>) -> MethodScore {

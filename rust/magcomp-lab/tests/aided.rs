@@ -10,9 +10,9 @@ use magcomp_lab::experiment::evaluate::{self, EvaluateOptions};
 use magcomp_lab::experiment::nees::Nees;
 use magcomp_lab::experiment::{answers, judge};
 use magcomp_lab::parallel::{cores, map};
-use magcomp_lab::replay::{Ignore, Step, replay_with};
 use magcomp_lab::score::{Begin, Figures, samples};
 use magcomp_lab::simulate::{Noise, Simulation};
+use magcomp_replay::{Ignore, Step, replay_with};
 
 const FIRST: u64 = 200;
 /// When the step comes, ns.

@@ -5,9 +5,9 @@ use magcomp::nalgebra::Vector3;
 use magcomp::{Compensator, Config, Method, Status};
 use magcomp_lab::catalogue::{By, CHANGE_S, Happening, PLACE_S, PhoneChange, Variant, phone};
 use magcomp_lab::motion::Motion;
-use magcomp_lab::replay::{Ignore, replay};
 use magcomp_lab::simulate::Simulation;
 use magcomp_recordings::recording::read;
+use magcomp_replay::{Ignore, replay};
 
 /// Standard deviation of the accelerometer's noise, m/s^2: a hand that shakes, not the sensor.
 const SHAKE_M_S2: f64 = 0.3;

@@ -9,8 +9,8 @@ use magcomp_lab::catalogue::{COMPARED, find};
 use magcomp_lab::experiment::answers;
 use magcomp_lab::experiment::nees::Nees;
 use magcomp_lab::parallel::{cores, map};
-use magcomp_lab::replay::Ignore;
 use magcomp_lab::score::samples;
+use magcomp_replay::Ignore;
 
 /// Samples at which the NEES is looked at: coverage is there, and they lie far enough apart to differ.
 const AT: [usize; 4] = [1000, 2000, 4000, 5900];

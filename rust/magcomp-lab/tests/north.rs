@@ -4,7 +4,7 @@
 mod limits;
 
 use limits::runs;
-use magcomp::nalgebra::Vector3;
+use magcomp::nalgebra::{UnitQuaternion, Vector3};
 use magcomp::{Compensator, HeadedAxis, HeadingAid, HeadingSample, NorthReference};
 use magcomp_lab::catalogue::find;
 use magcomp_lab::random::{Purpose, Random};
@@ -25,6 +25,32 @@ struct Source {
     wrong_s: (f64, f64),
     /// From, to: nothing comes.
     silent_s: (f64, f64),
+}
+
+impl Source {
+    /// What it tells of this attitude.
+    fn heading(
+        &self,
+        time_ns: i64,
+        attitude: &UnitQuaternion<f64>,
+        vehicle_deg: f64,
+        random: &mut Random,
+    ) -> HeadingSample {
+        // an app tells the heading of what points to the horizon
+        let is_level = (attitude * Vector3::y()).xy().norm() > 0.5;
+        let axis = if is_level { Vector3::y() } else { -Vector3::z() };
+        let pointing = attitude * axis;
+        let true_deg = if self.vehicle { vehicle_deg } else { pointing.x.atan2(pointing.y).to_degrees() };
+        let is_wrong = (self.wrong_s.0..self.wrong_s.1).contains(&(time_ns as f64 * 1e-9));
+        let heading_deg = true_deg + random.normal() * self.sigma_deg + if is_wrong { 180.0 } else { 0.0 };
+        HeadingSample {
+            time_ns,
+            heading_deg: heading_deg.rem_euclid(360.0),
+            sigma_deg: self.sigma_deg,
+            reference: NorthReference::Magnetic,
+            axis: if self.vehicle { HeadedAxis::Vehicle } else { HeadedAxis::Device(axis) },
+        }
+    }
 }
 
 const GOOD: Source =
@@ -59,25 +85,8 @@ fn run(variant: &str, seed: u64, source: Option<Source>) -> Vec<Row> {
             && time_s >= next_s
         {
             next_s = time_s + source.every_s;
-            let level = |axis: Vector3<f64>| (truth.attitude * axis).xy().norm();
-            // an app tells the heading of what points to the horizon
-            let axis = if level(Vector3::y()) > 0.5 { Vector3::y() } else { -Vector3::z() };
-            let pointing = truth.attitude * axis;
-            let true_deg = if source.vehicle {
-                -scenario.trajectory.vehicle_yaw(time_s).to_degrees()
-            } else {
-                pointing.x.atan2(pointing.y).to_degrees()
-            };
-            let is_wrong = (source.wrong_s.0..source.wrong_s.1).contains(&time_s);
-            let heading_deg = true_deg + random.normal() * source.sigma_deg + if is_wrong { 180.0 } else { 0.0 };
-            let axis = if source.vehicle { HeadedAxis::Vehicle } else { HeadedAxis::Device(axis) };
-            let heading = HeadingSample {
-                time_ns: sample.time_ns,
-                heading_deg: heading_deg.rem_euclid(360.0),
-                sigma_deg: source.sigma_deg,
-                reference: NorthReference::Magnetic,
-                axis,
-            };
+            let vehicle_deg = -scenario.trajectory.vehicle_yaw(time_s).to_degrees();
+            let heading = source.heading(sample.time_ns, &truth.attitude, vehicle_deg, &mut random);
             if !(source.silent_s.0..source.silent_s.1).contains(&time_s) {
                 late.push_back(heading);
             }

@@ -4,9 +4,9 @@ use magcomp::nalgebra::Vector3;
 use magcomp::{Compensator, Config, HeadingConfig, Reading, SensorMode};
 use magcomp_lab::catalogue::find;
 use magcomp_lab::random::{Purpose, Random};
-use magcomp_lab::replay::{Ignore, replay};
 use magcomp_lab::simulate::Simulation;
 use magcomp_recordings::recording;
+use magcomp_replay::{Ignore, replay};
 
 /// Samples a second of the stream that others are picked from.
 const FINE_HZ: f64 = 1000.0;

@@ -7,7 +7,7 @@ use std::path::Path;
 use magcomp::{Config, Method};
 use magcomp_lab::catalogue::find;
 use magcomp_lab::experiment::answers;
-use magcomp_lab::replay::{Ignore, Step, replay};
+use magcomp_replay::{Ignore, Step, replay};
 use magcomp_lab::score::Figures;
 use magcomp_recordings::recording::read;
 

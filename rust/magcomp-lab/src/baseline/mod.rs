@@ -24,9 +24,10 @@ pub use vqf::Vqf;
 pub use window::{Surface, Windowed};
 pub use xio::Xio;
 
-use crate::parameters::{Parameters, as_typed};
+use crate::parameters::Parameters;
 use clap::ValueEnum;
 use magcomp::{Calibration, Config, ConfigError, Method, Normalisation, Residual, WindowedConfig};
+use magcomp_replay::command::as_typed;
 
 /// A method by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

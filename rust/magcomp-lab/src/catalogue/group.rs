@@ -1,7 +1,7 @@
 //! The tables.
 
-use crate::parameters::as_typed;
 use clap::ValueEnum;
+use magcomp_replay::command::as_typed;
 
 /// Variants that are shown in one table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -87,6 +87,18 @@ pub enum Swing {
     Wave(f64),
 }
 
+impl Swing {
+    fn draw(self, size_ut: f64, from_until_s: (f64, f64), random: &mut Random) -> Surrounding {
+        match self {
+            Self::Noise(hz) => Surrounding::noise(size_ut, hz, from_until_s, random),
+            Self::Wave(hz) => {
+                let hz_phase = (wandering_hz(hz, random), random.uniform(0.0, TAU));
+                Surrounding::Wave { from_until_s, hz_phase, field_ut: random.direction() * size_ut }
+            }
+        }
+    }
+}
+
 /// Something that happens to the device or its place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Happening {
@@ -156,6 +168,16 @@ pub(super) struct Drawn {
     pub changes: Vec<Change>,
 }
 
+/// When a current is switched, s: about so many times a second from 40 s on.
+fn switched(hz: f64, until_s: f64, random: &mut Random) -> Vec<f64> {
+    let mut at_s = 40.0;
+    let next = |_: usize| {
+        at_s += random.exponential(0.35 / hz) + 0.15 / hz;
+        at_s
+    };
+    (0..2000).map(next).take_while(|at_s| *at_s < until_s).collect()
+}
+
 impl Happening {
     /// Adds what this seed makes of it.
     pub(super) fn draw(
@@ -183,12 +205,7 @@ impl Happening {
                 part(Course::Sine { from_s: 40.0, hz }, By::Random(ut, ut, 0.0), random);
             }
             Self::Load(ut, hz) => {
-                let mut at_s = 40.0;
-                let next = |_: usize| {
-                    at_s += random.exponential(0.35 / hz) + 0.15 / hz;
-                    at_s
-                };
-                let edges = (0..2000).map(next).take_while(|at_s| *at_s < setting.duration_s).collect();
+                let edges = switched(hz, setting.duration_s, random);
                 part(Course::Switched(edges), By::Random(ut, ut, 0.0), random);
             }
             Self::Folio => folio(random, &mut drawn.device),
@@ -206,14 +223,7 @@ impl Happening {
                 }
             }
             Self::Swings(swing, size_ut, from_s, for_s) => {
-                let (size_ut, from_until_s) = (between(size_ut, random), (from_s, from_s + for_s));
-                drawn.surroundings.push(match swing {
-                    Swing::Noise(hz) => Surrounding::noise(size_ut, hz, from_until_s, random),
-                    Swing::Wave(hz) => {
-                        let hz_phase = (wandering_hz(hz, random), random.uniform(0.0, TAU));
-                        Surrounding::Wave { from_until_s, hz_phase, field_ut: random.direction() * size_ut }
-                    }
-                });
+                drawn.surroundings.push(swing.draw(between(size_ut, random), (from_s, from_s + for_s), random));
             }
             Self::Uneven(rms_ut, from_s) => {
                 let place = Surrounding::uneven(rms_ut, from_s, setting.duration_s, trajectory, random);

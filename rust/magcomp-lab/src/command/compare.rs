@@ -1,20 +1,21 @@
 //! `magcomp compare`.
 
-use super::common::{Common, finite, input, refuse_outputs, warn};
+use super::common::SEED;
 use crate::baseline::Contestant;
 use crate::catalogue::{COMPARED, Variant, find};
-use crate::error::LabError;
 use crate::experiment::compare::{MethodScore, run_variant, tune};
 use crate::experiment::compare_recording::{RecordingScore, compare_rows};
 use crate::experiment::compare_view::{Given, add_case, case_table, dots, overview, recording_figure, recording_table};
 use crate::parallel::cores;
-use crate::progress;
-use crate::report::Report;
 use crate::simulate::Noise;
 use crate::trials::{Entry, compare_folder};
 use clap::{Args, ValueEnum, value_parser};
 use magcomp_recordings::import::{ImportOptions, open};
 use magcomp_recordings::recording::name_of;
+use magcomp_replay::command::{Common, finite, input, refuse_outputs, warn};
+use magcomp_replay::error::RunError;
+use magcomp_replay::progress;
+use magcomp_replay::report::Report;
 use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -62,6 +63,8 @@ pub(super) struct Compare {
     /// A program of your own beside the methods: a folder with its answers to each recording (benchmarks/README.md)
     #[arg(long, value_name = "NAME=DIR", requires = "folder")]
     entry: Vec<Entry>,
+    #[arg(long, default_value_t = 1, help = SEED)]
+    seed: u64,
     #[command(flatten)]
     common: Common,
 }
@@ -92,7 +95,7 @@ struct Recorded {
 const BOTH: [Given; 2] = [Given::Magnetometer, Given::Inertial];
 
 /// The picture of all scenarios or recordings, where there is more than one method.
-fn add_dots(report: &mut Report, errors: &[(&str, f64)], dot: &str, given: Given) -> Result<(), LabError> {
+fn add_dots(report: &mut Report, errors: &[(&str, f64)], dot: &str, given: Given) -> Result<(), RunError> {
     let is_compared = errors.iter().any(|(name, _)| *name != errors[0].0);
     if is_compared {
         let name = if given == Given::Inertial { "compare_inertial" } else { "compare" };
@@ -102,14 +105,14 @@ fn add_dots(report: &mut Report, errors: &[(&str, f64)], dot: &str, given: Given
 }
 
 impl Compare {
-    pub fn run(self) -> Result<(), LabError> {
+    pub fn run(self) -> Result<(), RunError> {
         if let Some(folder) = &self.folder {
             return self.beside(folder);
         }
         if self.recordings.is_empty() { self.scenarios() } else { self.recorded() }
     }
 
-    fn beside(&self, folder: &Path) -> Result<(), LabError> {
+    fn beside(&self, folder: &Path) -> Result<(), RunError> {
         let inputs: Vec<&Path> =
             std::iter::once(folder).chain(self.entry.iter().map(|it| it.folder.as_path())).collect();
         refuse_outputs(&inputs, &[], self.common.report.as_deref())?;
@@ -131,18 +134,18 @@ impl Compare {
         if self.method.is_empty() { Contestant::value_variants().to_vec() } else { self.method.clone() }
     }
 
-    fn scenarios(self) -> Result<(), LabError> {
-        let usual = || COMPARED.iter().map(|name| find(name)).collect::<Result<Vec<_>, _>>().map_err(LabError::Usage);
+    fn scenarios(self) -> Result<(), RunError> {
+        let usual = || COMPARED.iter().map(|name| find(name)).collect::<Result<Vec<_>, _>>().map_err(RunError::Usage);
         let variants = if self.scenario.is_empty() { usual()? } else { self.scenario.clone() };
         let methods = self.methods();
-        let seeds = self.common.seed..self.common.seed + u64::from(self.runs);
+        let seeds = self.seed..self.seed + u64::from(self.runs);
         let bar = progress::bar(variants.len() * methods.len(), "compare");
         let mut all = Vec::new();
         for variant in variants {
             let variant = variant.with_noise(self.snr.map(Noise::SnrDb));
             let (mut scores, mut aided) = (Vec::new(), Vec::new());
             for contestant in &methods {
-                let value = tune(&variant, self.common.seed, *contestant)?;
+                let value = tune(&variant, self.seed, *contestant)?;
                 if let Some((before, runs)) = run_variant(&variant, seeds.clone(), *contestant, value)? {
                     let tuned = (contestant.grid().len() > 1).then_some(value);
                     let score = MethodScore::of(&contestant.name(), tuned, before, &runs);
@@ -184,7 +187,7 @@ impl Compare {
         })
     }
 
-    fn recorded(self) -> Result<(), LabError> {
+    fn recorded(self) -> Result<(), RunError> {
         let inputs: Vec<&Path> = self.recordings.iter().map(PathBuf::as_path).collect();
         refuse_outputs(&inputs, &[], self.common.report.as_deref())?;
         let methods = self.methods();
@@ -193,7 +196,7 @@ impl Compare {
             let mut opened = open(std::slice::from_ref(path), &ImportOptions::default())?;
             warn(&opened.warnings);
             let extent = *opened.source.extent();
-            let scores = compare_rows(&extent, opened.source.rows()?, &methods, self.common.seed)?;
+            let scores = compare_rows(&extent, opened.source.rows()?, &methods, self.seed)?;
             let (aided, methods): (Vec<_>, Vec<_>) = scores.into_iter().partition(|score| score.aided);
             all.push(Recorded { recording: name_of(path), methods, aided });
         }

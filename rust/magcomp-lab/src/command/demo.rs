@@ -1,18 +1,19 @@
 //! `magcomp demo`: a magnet put on a real sensor, then simulated phones, then the paper's experiment, and a report of all.
 
-use super::common::Common;
-use crate::error::LabError;
+use super::common::SEED;
 use crate::experiment::follow::{self, FollowOptions, FollowResult};
 use crate::experiment::put_on::{middle_s, with_magnet};
 use crate::experiment::step::{StepOptions, StepResult, run as run_step};
 use crate::experiment::story::{Story, Told};
 use crate::motion::Motion;
-use crate::replay::{Ignore, figures, offset_picture, replay};
-use crate::report::Report;
-use crate::table::{Table, number};
 use clap::{Args, value_parser};
 use magcomp::Config;
 use magcomp_recordings::recording::{self, Recording};
+use magcomp_replay::command::Common;
+use magcomp_replay::error::RunError;
+use magcomp_replay::report::Report;
+use magcomp_replay::table::{Table, number};
+use magcomp_replay::{Ignore, Step, figures, offset_picture, replay};
 use serde::Serialize;
 use std::ops::Range;
 use std::path::Path;
@@ -41,6 +42,8 @@ const REAL_S: Range<f64> = 42.5..98.7;
 const STRETCHES: [(Range<f64>, &str); 2] = [(102.0..200.0, "without the magnet"), (46.0..90.0, "with it")];
 /// The plane in which the magnet's field shows: x and z of the sensor.
 const PLANE: (usize, usize) = (0, 2);
+/// The line that opens all pictures of a recording.
+const OVER_TIME: &str = "Everything over time, and the sphere to turn";
 /// Runs of an aided step: they agree well, the paper's do not.
 const AIDED_RUNS: usize = 10;
 /// Where the report is written when no other folder is named, below the current one.
@@ -55,6 +58,8 @@ pub(super) struct Demo {
     /// Runs of the paper's step experiment
     #[arg(long, default_value_t = 60, value_parser = value_parser!(u32).range(1..))]
     runs: u32,
+    #[arg(long, default_value_t = 1, help = SEED)]
+    seed: u64,
     #[command(flatten)]
     common: Common,
 }
@@ -78,7 +83,7 @@ struct Everything {
 }
 
 impl Demo {
-    pub fn run(mut self) -> Result<(), LabError> {
+    pub fn run(mut self) -> Result<(), RunError> {
         self.common.report.get_or_insert_with(|| FOLDER.into());
         let say = |what: &str| eprintln!("magcomp: {what} ...");
         say("1 of 3, recordings of a real sensor");
@@ -90,42 +95,18 @@ impl Demo {
         let stories = [Story::of(&quiet, true)?, Story::of(&quiet, false)?, Story::of(&real, false)?];
         say("2 of 3, simulated phones");
         let options = [Motion::Tumble, Motion::Walk].into_iter().filter_map(FollowOptions::of);
-        let follow = |own| follow::run(&FollowOptions { seed: self.common.seed, runs: AIDED_RUNS, ..own });
+        let follow = |own| follow::run(&FollowOptions { seed: self.seed, runs: AIDED_RUNS, ..own });
         let aided = options.map(follow).collect::<Result<Vec<FollowResult>, _>>()?;
         say("3 of 3, the paper's experiment");
-        let step =
-            run_step(&StepOptions { runs: self.runs as usize, seed: self.common.seed, ..StepOptions::default() })?;
+        let step = run_step(&StepOptions { runs: self.runs as usize, seed: self.seed, ..StepOptions::default() })?;
         let headline = Headline::of(&stories[0], &aided);
         let table = heading_table(&headline.text, &stories);
 
         let mut report = Report::new("magcomp: it keeps pointing north when a magnet is put on", &headline.text);
-        report.section("A magnet put on a real sensor", PUT_ON.about);
-        report.figure(
-            "heading_error",
-            stories[0].picture(&[(stories[0].magnet_s.unwrap_or_default(), "a magnet is put on")])?,
-            "Heading error of each second against the optical reference, about the constant before the magnet. The number beside a name is its \
-             root mean square from the magnet on. The band is two sigmas wide on both sides: as far as magcomp says it may be off. Errors \
-             beyond 60 degrees are drawn there.",
-        );
-        report.table(&Table { lead: Vec::new(), ..table.clone() });
-        report.folded("Everything over time, and the sphere to turn", |report| {
-            figures(report, "put_on", &put_on, &put_on_steps)
-        })?;
-        report.section("A real magnet on the same sensor", REAL.about);
-        report.figure(
-            "real_magnet",
-            stories[2].picture(&[(REAL_S.start, "a magnet is put on"), (REAL_S.end, "and taken off")])?,
-            "Heading error of each second against the optical reference, about one constant of all rows from 20 s on.",
-        );
-        report.figure(
-            "offset",
-            offset_picture(&real, &real_steps, PLANE, &STRETCHES),
-            "Raw samples (grey) lie about the device's own field b (red line and ring: where it was found), corrected ones (blue) about the \
-             middle. The last calibration of each stretch.",
-        );
-        report.folded("Everything over time, and the sphere to turn", |report| {
-            figures(report, &real.name().replace(".csv.gz", ""), &real, &real_steps)
-        })?;
+        show_put_on(&mut report, &stories[0], &table)?;
+        report.folded(OVER_TIME, |report| figures(report, "put_on", &put_on, &put_on_steps))?;
+        show_real(&mut report, &stories[2], &real, &real_steps)?;
+        report.folded(OVER_TIME, |report| figures(report, &real.name().replace(".csv.gz", ""), &real, &real_steps))?;
         for (result, figure) in aided.iter().zip(["step_tumble", "step_walk"]) {
             report.section(&format!("Simulated phones, {}", result.scenario), "Each from a cold start.");
             result.tables().iter().take(1).for_each(|table| report.table(table));
@@ -142,6 +123,37 @@ impl Demo {
         let everything = Everything { headline, recordings: stories, aided, step };
         self.common.finish(&[table], &everything, || Ok(report))
     }
+}
+
+/// A magnet by arithmetic, and the table of all.
+fn show_put_on(report: &mut Report, story: &Story, table: &Table) -> Result<(), RunError> {
+    report.section("A magnet put on a real sensor", PUT_ON.about);
+    report.figure(
+        "heading_error",
+        story.picture(&[(story.magnet_s.unwrap_or_default(), "a magnet is put on")])?,
+        "Heading error of each second against the optical reference, about the constant before the magnet. The number beside a name is its \
+         root mean square from the magnet on. The band is two sigmas wide on both sides: as far as magcomp says it may be off. Errors \
+         beyond 60 degrees are drawn there.",
+    );
+    report.table(&Table { lead: Vec::new(), ..table.clone() });
+    Ok(())
+}
+
+/// What a real magnet did.
+fn show_real(report: &mut Report, story: &Story, real: &Recording, steps: &[Step]) -> Result<(), RunError> {
+    report.section("A real magnet on the same sensor", REAL.about);
+    report.figure(
+        "real_magnet",
+        story.picture(&[(REAL_S.start, "a magnet is put on"), (REAL_S.end, "and taken off")])?,
+        "Heading error of each second against the optical reference, about one constant of all rows from 20 s on.",
+    );
+    report.figure(
+        "offset",
+        offset_picture(real, steps, PLANE, &STRETCHES),
+        "Raw samples (grey) lie about the device's own field b (red line and ring: where it was found), corrected ones (blue) about the \
+         middle. The last calibration of each stretch.",
+    );
+    Ok(())
 }
 
 impl Headline {

@@ -1,15 +1,16 @@
 //! `magcomp evaluate`.
 
-use super::common::{Common, MethodChoice, OURS, Seeds, ours_is_here, refuse_outputs, warn};
+use super::common::{OURS, Seeds, ours_is_here};
 use crate::catalogue::{self, Group, Variant};
-use crate::error::LabError;
 use crate::experiment::evaluate::{EvaluateOptions, run};
 use crate::parallel::cores;
-use crate::replay::Ignore;
-use crate::report::Report;
-use crate::table::Table;
 use crate::trials::{judge_folder, put_on_folder};
 use clap::Args;
+use magcomp_replay::Ignore;
+use magcomp_replay::command::{Common, MethodChoice, refuse_outputs, warn};
+use magcomp_replay::error::RunError;
+use magcomp_replay::report::Report;
+use magcomp_replay::table::Table;
 use std::io::Write;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -68,23 +69,19 @@ pub(super) struct Evaluate {
     /// declination_deg: how far magnetic north is east of the reference's; 0 when empty. Without an index all are one group.
     #[arg(long, value_name = "CSV", requires = "recordings")]
     index: Option<PathBuf>,
-    /// Print the numbers, each run's too, as JSON instead of a table
-    #[arg(long)]
-    json: bool,
-    /// Write one HTML page with the tables into this folder
-    #[arg(long, value_name = "DIR")]
-    report: Option<PathBuf>,
+    #[command(flatten)]
+    common: Common,
 }
 
 impl Evaluate {
-    pub fn run(self) -> Result<(), LabError> {
+    pub fn run(self) -> Result<(), RunError> {
         let seeds = self.seeds.unwrap_or(USUAL);
-        let common = Common { seed: seeds.0, json: self.json, report: self.report.clone() };
+        let common = &self.common;
         if self.magnets {
-            return self.with_magnets(&common);
+            return self.with_magnets(common);
         }
         if let Some(folder) = &self.recordings {
-            return self.recorded(folder, &common);
+            return self.recorded(folder, common);
         }
         let variants = self.variants()?;
         if self.list {
@@ -119,7 +116,7 @@ impl Evaluate {
         Ignore { gyroscope: self.without_gyroscope, accelerometer: false }
     }
 
-    fn with_magnets(&self, common: &Common) -> Result<(), LabError> {
+    fn with_magnets(&self, common: &Common) -> Result<(), RunError> {
         let folder = self.recordings.as_deref().unwrap_or(Path::new(OURS));
         ours_is_here(folder)?;
         refuse_outputs(&[folder], &[], common.report.as_deref())?;
@@ -132,10 +129,10 @@ impl Evaluate {
         })
     }
 
-    fn recorded(&self, folder: &Path, common: &Common) -> Result<(), LabError> {
+    fn recorded(&self, folder: &Path, common: &Common) -> Result<(), RunError> {
         if self.seeds.is_some() {
             let why = "recordings have no seeds; with --magnets a seed draws their directions and times";
-            return Err(LabError::Usage(why.to_owned()));
+            return Err(RunError::Usage(why.to_owned()));
         }
         refuse_outputs(&[folder], &[], common.report.as_deref())?;
         let trials = judge_folder(folder, self.index.as_deref(), self.ignore(), cores())?;
@@ -148,7 +145,7 @@ impl Evaluate {
         })
     }
 
-    fn variants(&self) -> Result<Vec<Variant>, LabError> {
+    fn variants(&self) -> Result<Vec<Variant>, RunError> {
         let fits = |variant: &Variant, pattern: &str| match pattern.strip_suffix('*') {
             Some(begin) => variant.name.starts_with(begin),
             None => variant.name == pattern,
@@ -156,7 +153,7 @@ impl Evaluate {
         let all = catalogue::all();
         if let Some(unknown) = self.variant.iter().find(|pattern| !all.iter().any(|variant| fits(variant, pattern))) {
             let why = format!("no variant is called {unknown}; `magcomp evaluate --list` has all names");
-            return Err(LabError::Usage(why));
+            return Err(RunError::Usage(why));
         }
         let everything = self.group.is_empty() && self.variant.is_empty();
         let is_chosen = |variant: &Variant| {

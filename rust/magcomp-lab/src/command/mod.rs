@@ -1,20 +1,17 @@
 //! The verbs of the command.
 
-mod check;
 mod common;
 mod compare;
-mod crb;
 mod demo;
 mod evaluate;
-mod import;
-mod replay;
+mod paper;
 mod sensitivity;
 mod simulate;
-mod step;
 
-use crate::error::LabError;
 use clap::{CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
+use magcomp_replay::command::{Check, Import, Replay};
+use magcomp_replay::error::RunError;
 use std::io::{self, Write};
 
 /// A compass library for phones: it keeps pointing north when a magnet is put on the phone, and says how far off it may be.
@@ -37,11 +34,12 @@ pub struct Cli {
 #[derive(Debug, Subcommand)]
 enum Verb {
     Demo(demo::Demo),
-    Import(import::Import),
-    Check(check::Check),
-    Replay(Box<replay::Replay>),
-    Step(step::Step),
-    Crb(crb::Crb),
+    Import(Import),
+    Check(Check),
+    Replay(Box<Replay>),
+    /// The paper's experiments, simulated (docs/dev/PAPER.md)
+    #[command(subcommand)]
+    Paper(paper::Paper),
     Compare(compare::Compare),
     Evaluate(evaluate::Evaluate),
     Sensitivity(sensitivity::Sensitivity),
@@ -57,14 +55,13 @@ enum Verb {
 
 impl Cli {
     /// Runs the verb.
-    pub fn run(self) -> Result<(), LabError> {
+    pub fn run(self) -> Result<(), RunError> {
         match self.verb {
             Verb::Demo(verb) => verb.run(),
             Verb::Import(verb) => verb.run(),
             Verb::Check(verb) => verb.run(),
             Verb::Replay(verb) => verb.run(),
-            Verb::Step(verb) => verb.run(),
-            Verb::Crb(verb) => verb.run(),
+            Verb::Paper(verb) => verb.run(),
             Verb::Compare(verb) => verb.run(),
             Verb::Evaluate(verb) => verb.run(),
             Verb::Sensitivity(verb) => verb.run(),
@@ -89,8 +86,10 @@ fn manual(out: &mut dyn Write) -> io::Result<()> {
     page.render_synopsis_section(out)?;
     page.render_description_section(out)?;
     page.render_subcommands_section(out)?;
-    for verb in command.get_subcommands().filter(|verb| verb.get_name() != "help") {
-        writeln!(out, ".SH {}", verb.get_name().to_uppercase())?;
+    let verbs = command.get_subcommands().flat_map(|verb| std::iter::once(verb).chain(verb.get_subcommands()));
+    for verb in verbs.filter(|verb| verb.get_name() != "help") {
+        let name = verb.get_bin_name().unwrap_or_default().trim_start_matches("magcomp ");
+        writeln!(out, ".SH {}", name.to_uppercase())?;
         let page = clap_mangen::Man::new(verb.clone());
         let mut text = Vec::new();
         page.render_description_section(&mut text)?;

@@ -1,11 +1,12 @@
 //! `magcomp sensitivity`.
 
-use super::common::{OURS, Seeds, ours_is_here, refuse_outputs};
-use crate::atomic::write_atomically;
+use super::common::{OURS, Seeds, ours_is_here};
 use crate::catalogue::Group;
-use crate::error::LabError;
 use crate::sensitivity::{SensitivityOptions, run};
 use clap::Args;
+use magcomp_replay::atomic::write_atomically;
+use magcomp_replay::command::refuse_outputs;
+use magcomp_replay::error::RunError;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -37,7 +38,7 @@ pub(super) struct Sensitivity {
 }
 
 impl Sensitivity {
-    pub fn run(self) -> Result<(), LabError> {
+    pub fn run(self) -> Result<(), RunError> {
         let started = Instant::now();
         self.recordings.iter().try_for_each(|folder| ours_is_here(folder))?;
         let seeds = self.seeds.range();

@@ -1,21 +1,22 @@
 //! `magcomp simulate`.
 
-use super::common::{Common, between, finite, refuse_outputs};
-use crate::atomic::write_atomically;
+use super::common::SEED;
 use crate::course::{Course, DevicePart};
-use crate::error::LabError;
 use crate::inertial::InertialSensor;
 use crate::motion::Motion;
 use crate::parameters::{Numbers, ParameterSet, TrueParameters};
-use crate::plot::{Colour, Panel, Series, draw};
 use crate::random::{Purpose, Random};
-use crate::report::Report;
 use crate::simulate::{Magnetometer, Noise, Scenario, Simulation, Spikes, world_field_ut};
 use crate::surroundings::Surrounding;
-use crate::table::Table;
 use clap::{Args, ValueEnum};
 use magcomp::nalgebra::Vector3;
 use magcomp_recordings::recording::write_recording;
+use magcomp_replay::atomic::write_atomically;
+use magcomp_replay::command::{Common, between, finite, refuse_outputs};
+use magcomp_replay::error::RunError;
+use magcomp_replay::plot::{Colour, Panel, Series, draw};
+use magcomp_replay::report::Report;
+use magcomp_replay::table::Table;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -80,6 +81,8 @@ pub(super) struct Simulate {
     /// Accelerometer noise per axis, m/s^2
     #[arg(long, default_value_t = 0.05, value_parser = |text: &str| between(text, 0.0, 100.0))]
     accel_noise: f64,
+    #[arg(long, default_value_t = 1, help = SEED)]
+    seed: u64,
     #[command(flatten)]
     common: Common,
 }
@@ -110,7 +113,7 @@ struct Summary {
 }
 
 impl Simulate {
-    pub fn run(self) -> Result<(), LabError> {
+    pub fn run(self) -> Result<(), RunError> {
         refuse_outputs(&[], &[("OUT.csv", &self.output)], self.common.report.as_deref())?;
         let scenario = self.scenario()?;
         let stream = scenario.run();
@@ -143,7 +146,7 @@ impl Simulate {
         })
     }
 
-    fn scenario(&self) -> Result<Scenario, LabError> {
+    fn scenario(&self) -> Result<Scenario, RunError> {
         let at_s = self.at.unwrap_or(self.seconds / 2.0);
         let start = self.truth.parameters(ParameterSet::Mid)?;
         let changed = start.times(self.factor);
@@ -167,9 +170,9 @@ impl Simulate {
         });
         let spikes = (self.spikes > 0.0).then_some(Spikes { share: self.spikes, size_ut: (30.0, 150.0) });
         let noise = self.noise_ut.map_or(Noise::SnrDb(self.snr), Noise::Ut);
-        let mut random = Random::new(self.common.seed, Purpose::Motion);
+        let mut random = Random::new(self.seed, Purpose::Motion);
         Ok(Scenario {
-            seed: self.common.seed,
+            seed: self.seed,
             duration_s: self.seconds,
             trajectory: self.motion.trajectory(self.seconds, 1.0 / self.rate, &mut random),
             earth_ut,

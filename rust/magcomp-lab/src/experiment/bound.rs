@@ -5,16 +5,16 @@
 //! parameters. A ratio of 1 is as good as an unbiased estimate can be.
 
 use crate::crb::FisherInformation;
-use crate::error::LabError;
 use crate::parameters::{GROUPS, ParameterSet, Parameters};
-use crate::plot::{Colour, Panel, Series, draw};
-use crate::progress;
 use crate::random::{Purpose, Random};
-use crate::report::Report;
 use crate::simulate::Noise;
-use crate::table::{Table, number};
 use magcomp::nalgebra::Vector3;
 use magcomp::{FitOptions, Residual, fit_ellipsoid};
+use magcomp_replay::error::RunError;
+use magcomp_replay::plot::{Colour, Panel, Series, draw};
+use magcomp_replay::progress;
+use magcomp_replay::report::Report;
+use magcomp_replay::table::{Table, number};
 use serde::Serialize;
 
 /// Sizes of fig. 2.
@@ -83,7 +83,7 @@ pub struct BoundResult {
 }
 
 /// Runs the experiment.
-pub fn run(options: &BoundOptions) -> Result<BoundResult, LabError> {
+pub fn run(options: &BoundOptions) -> Result<BoundResult, RunError> {
     let work: usize = options.samples.iter().sum::<usize>() * options.snr_db.len();
     let bar = progress::bar(work * options.runs, "fig. 2");
     let mut rows = Vec::new();
@@ -96,7 +96,7 @@ pub fn run(options: &BoundOptions) -> Result<BoundResult, LabError> {
     Ok(BoundResult { averaged: options.averaged, rows })
 }
 
-fn cell(options: &BoundOptions, snr_db: f64, samples: usize, done: impl Fn(u64)) -> Result<BoundRow, LabError> {
+fn cell(options: &BoundOptions, snr_db: f64, samples: usize, done: impl Fn(u64)) -> Result<BoundRow, RunError> {
     let truth = options.truth;
     let noise = Noise::SnrDb(snr_db).sigma_ut(1.0);
     let averaged = options.averaged as f64;
@@ -106,7 +106,7 @@ fn cell(options: &BoundOptions, snr_db: f64, samples: usize, done: impl Fn(u64))
     let mut good = 0;
     for _ in 0..options.runs {
         let mut information = FisherInformation::new(&truth, noise / averaged.sqrt())
-            .ok_or_else(|| LabError::Experiment("true M has no inverse".to_owned()))?;
+            .ok_or_else(|| RunError::Experiment("true M has no inverse".to_owned()))?;
         let points: Vec<_> = (0..samples)
             .map(|_| {
                 let u = random.direction();
@@ -129,7 +129,7 @@ fn cell(options: &BoundOptions, snr_db: f64, samples: usize, done: impl Fn(u64))
         done(samples as u64);
     }
     if good == 0 {
-        return Err(LabError::Experiment(format!(
+        return Err(RunError::Experiment(format!(
             "no ellipsoid in {} runs of {samples} samples at {snr_db} dB",
             options.runs
         )));
@@ -182,7 +182,7 @@ impl BoundResult {
     }
 
     /// Fig. 2: a panel for every group, a line for every SNR and residual.
-    pub fn add_to(&self, report: &mut Report) -> Result<(), LabError> {
+    pub fn add_to(&self, report: &mut Report) -> Result<(), RunError> {
         let all = self.rows.iter().flat_map(|row| row.algebraic.into_iter().chain(row.corrected));
         let top = all.fold(1.2, f64::max) * 1.05;
         let ratios = self.panels("samples N", "RMSE / bound", false, |row, _, ratio| (row.samples as f64, ratio));

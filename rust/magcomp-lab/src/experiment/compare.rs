@@ -10,13 +10,13 @@
 use crate::baseline::{Baseline, Contestant, Known};
 use crate::catalogue::Variant;
 use crate::crb::FisherInformation;
-use crate::error::LabError;
 use crate::parameters::{GROUPS, Parameters};
 use crate::score::{Runs, settled};
 use crate::simulate::Simulation;
-use crate::statistics::{self, percentile};
 use magcomp::Calibration;
 use magcomp::nalgebra::{UnitQuaternion, Vector3};
+use magcomp_replay::error::RunError;
+use magcomp_replay::statistics::{self, percentile};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -175,7 +175,7 @@ pub fn run_variant(
     seeds: std::ops::Range<u64>,
     contestant: Contestant,
     value: f64,
-) -> Result<Option<(usize, Vec<Run>)>, LabError> {
+) -> Result<Option<(usize, Vec<Run>)>, RunError> {
     let before = (variant.change_s * variant.sensors.magnetometer.rate_hz).round() as usize;
     let takes_part = !contestant.is_aided() || variant.sensors.has_gyroscope;
     let mut runs = Vec::new();
@@ -188,7 +188,7 @@ pub fn run_variant(
 }
 
 /// The value of its free number with which a method does best after the change, on seeds that are not judged.
-pub fn tune(variant: &Variant, seed: u64, contestant: Contestant) -> Result<f64, LabError> {
+pub fn tune(variant: &Variant, seed: u64, contestant: Contestant) -> Result<f64, RunError> {
     let grid = contestant.grid();
     let mut best = (f64::INFINITY, grid[0]);
     for value in grid.iter().filter(|_| grid.len() > 1) {

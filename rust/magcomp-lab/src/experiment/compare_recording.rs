@@ -2,12 +2,12 @@
 //! constant, as `replay` judges them. The network may learn from the reference over the first 40 %.
 
 use crate::baseline::{Baseline, Contestant, Known};
-use crate::error::LabError;
-use crate::replay::{Vectors, VectorsJudge};
 use magcomp::nalgebra::Vector3;
 use magcomp::{MagneticSample, RotationRateSample, UpSample};
 use magcomp_recordings::error::RecordingError;
 use magcomp_recordings::recording::{Extent, Row};
+use magcomp_replay::error::RunError;
+use magcomp_replay::{Vectors, VectorsJudge};
 use serde::Serialize;
 
 /// Share of a recording with a reference to learn from.
@@ -58,7 +58,7 @@ pub fn compare_rows(
     rows: impl IntoIterator<Item = Result<Row, RecordingError>>,
     methods: &[Contestant],
     seed: u64,
-) -> Result<Vec<RecordingScore>, LabError> {
+) -> Result<Vec<RecordingScore>, RunError> {
     let taught = (extent.rows as f64 * LEARNED) as usize;
     let (down, north) = DIP_DEG.to_radians().sin_cos();
     let field = Vector3::new(0.0, north, -down);

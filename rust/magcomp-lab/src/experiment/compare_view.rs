@@ -2,10 +2,10 @@
 
 use super::compare::{BOUND_AT, MethodScore, NO_ANSWER_DEG, TOLD_AT};
 use super::compare_recording::RecordingScore;
-use crate::error::LabError;
-use crate::plot::{Colour, DotRow, Dots, Panel, Series, draw};
-use crate::report::Report;
-use crate::table::{Table, number};
+use magcomp_replay::error::RunError;
+use magcomp_replay::plot::{Colour, DotRow, Dots, Panel, Series, draw};
+use magcomp_replay::report::Report;
+use magcomp_replay::table::{Table, number};
 
 /// Methods drawn, and how: of the magnetometer alone, and with gyroscope and accelerometer.
 const DRAWN: [(&str, Colour); 11] = [
@@ -163,7 +163,7 @@ fn capital(text: &str) -> String {
 }
 
 /// A dot for each scenario or recording, a row for each method: `errors` are their names and errors, degrees.
-pub fn dots(errors: &[(&str, f64)], dot: &str, given: Given) -> Result<String, LabError> {
+pub fn dots(errors: &[(&str, f64)], dot: &str, given: Given) -> Result<String, RunError> {
     let mut rows: Vec<DotRow> = Vec::new();
     for (name, error) in errors {
         let is_ours = ["adaptive", "aided", "aided-sample"].contains(name);
@@ -184,7 +184,7 @@ pub fn add_case(
     runs: u32,
     methods: &[MethodScore],
     given: Given,
-) -> Result<(), LabError> {
+) -> Result<(), RunError> {
     if methods.is_empty() {
         return Ok(());
     }
@@ -199,14 +199,14 @@ pub fn add_case(
 }
 
 /// The picture of a recording.
-pub fn recording_figure(methods: &[RecordingScore], given: Given) -> Result<String, LabError> {
+pub fn recording_figure(methods: &[RecordingScore], given: Given) -> Result<String, RunError> {
     let courses = methods.iter().map(|m| (m.name.as_str(), m.course_deg.as_slice()));
     let title = format!("heading error against the reference, {}", given.what());
     courses_figure(&title, "s", &courses.collect::<Vec<_>>())
 }
 
 /// Errors of those methods that are drawn, each with its name.
-fn courses_figure(title: &str, x_label: &str, courses: &[(&str, &[(f64, f64)])]) -> Result<String, LabError> {
+fn courses_figure(title: &str, x_label: &str, courses: &[(&str, &[(f64, f64)])]) -> Result<String, RunError> {
     let series = DRAWN.iter().filter_map(|(name, colour)| {
         let (_, course_deg) = courses.iter().find(|(own, _)| own == name)?;
         Some(Series::new(name, *colour, course_deg.iter().map(|(x, error)| (*x, error.min(SHOWN_DEG)))))

@@ -2,12 +2,12 @@
 
 use super::judge;
 use crate::catalogue::{Group, Variant};
-use crate::error::LabError;
-use crate::progress;
-use crate::replay::Ignore;
+use crate::parallel::map_shown;
 use crate::score::{Figures, Line};
 use clap::ValueEnum;
 use magcomp::Method;
+use magcomp_replay::Ignore;
+use magcomp_replay::error::RunError;
 use serde::Serialize;
 use std::num::NonZero;
 use std::ops::RangeInclusive;
@@ -68,11 +68,11 @@ pub struct EvaluateResult {
 }
 
 /// Runs the variants.
-pub fn run(options: &EvaluateOptions) -> Result<EvaluateResult, LabError> {
+pub fn run(options: &EvaluateOptions) -> Result<EvaluateResult, RunError> {
     let seeds = options.seeds.clone().count();
     let jobs = options.variants.iter().flat_map(|variant| options.seeds.clone().map(move |seed| (variant, seed)));
     let jobs: Vec<(&Variant, u64)> = jobs.collect();
-    let runs = progress::map("evaluate", &jobs, options.threads, |(variant, seed)| {
+    let runs = map_shown("evaluate", &jobs, options.threads, |(variant, seed)| {
         judge(variant, *seed, options.method, options.ignore)
     });
     let mut runs = runs.into_iter();

@@ -1,10 +1,10 @@
 //! The output of `magcomp evaluate`: a table for each group, pictures, and every line as CSV.
 
 use super::evaluate::{EvaluateResult, GroupResult, VariantResult};
-use crate::error::LabError;
-use crate::plot::{Colour, DotRow, Dots};
-use crate::report::Report;
-use crate::table::{Table, number};
+use magcomp_replay::error::RunError;
+use magcomp_replay::plot::{Colour, DotRow, Dots};
+use magcomp_replay::report::Report;
+use magcomp_replay::table::{Table, number};
 
 /// What the columns mean, in short.
 const LEGEND: [&str; 2] = [
@@ -36,7 +36,7 @@ impl EvaluateResult {
     }
 
     /// Adds a picture and a table for each group to a report.
-    pub fn add_to(&self, report: &mut Report) -> Result<(), LabError> {
+    pub fn add_to(&self, report: &mut Report) -> Result<(), RunError> {
         for (k, (group, table)) in self.groups.iter().zip(self.told()).enumerate() {
             let row = |variant: &VariantResult| {
                 let values = variant.runs.iter().filter_map(|run| run.error.heading_deg).collect();

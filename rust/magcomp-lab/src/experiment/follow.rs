@@ -2,22 +2,22 @@
 
 use super::answers;
 use crate::catalogue::{PhoneChange, Variant, phone};
-use crate::error::LabError;
 use crate::motion::Motion;
-use crate::parallel::cores;
-use crate::progress;
-use crate::replay::{Ignore, Step};
+use crate::parallel::{cores, map_shown};
 use crate::score::{Begin, Errors, Figures, Line, Runs, Settled, Stretch};
 use magcomp::Method;
 use magcomp_recordings::recording::Recording;
+use magcomp_replay::error::RunError;
+use magcomp_replay::{Ignore, Step};
 use serde::Serialize;
+
+/// Beside each other.
+const METHODS: [Method; 2] = [Method::Aided, Method::Windowed];
 
 /// Options of the experiment.
 #[derive(Clone, Debug)]
 pub struct FollowOptions {
     pub variant: Variant,
-    /// Aided and windowed beside each other, or the magnetometer alone.
-    pub methods: Vec<Method>,
     /// Runs; run k has the seed `seed + k`.
     pub runs: usize,
     /// The first seed.
@@ -33,7 +33,7 @@ impl FollowOptions {
             _ => return None,
         };
         let variant = phone("step", motion, change).in_an_even_place();
-        Some(Self { variant, methods: vec![Method::Aided, Method::Windowed], runs: 20, seed: 1 })
+        Some(Self { variant, runs: 20, seed: 1 })
     }
 }
 
@@ -76,22 +76,22 @@ pub struct FollowResult {
     pub first: Option<(Recording, Vec<Step>)>,
 }
 
-pub fn run(options: &FollowOptions) -> Result<FollowResult, LabError> {
-    let FollowOptions { variant, methods, runs, seed } = options;
-    let jobs: Vec<usize> = (0..runs * methods.len()).collect();
-    let done = progress::map("step", &jobs, cores(), |k| {
+pub fn run(options: &FollowOptions) -> Result<FollowResult, RunError> {
+    let FollowOptions { variant, runs, seed } = options;
+    let jobs: Vec<usize> = (0..runs * METHODS.len()).collect();
+    let done = map_shown("step", &jobs, cores(), |k| {
         let (simulation, recording, steps) =
-            answers(variant, seed.wrapping_add((k % runs) as u64), methods[k / runs], Ignore::default())?;
+            answers(variant, seed.wrapping_add((k % runs) as u64), METHODS[k / runs], Ignore::default())?;
         let figures = Figures::of(&simulation, &steps);
-        Ok::<_, LabError>((figures, (*k == 0).then_some((recording, steps))))
+        Ok::<_, RunError>((figures, (*k == 0).then_some((recording, steps))))
     });
     let mut done: Vec<_> = done.into_iter().collect::<Result<_, _>>()?;
     let first = done.first_mut().and_then(|(_, picture)| picture.take());
     let figures: Vec<Figures> = done.into_iter().map(|(figures, _)| figures).collect();
     let (mut answers, mut results) = (Vec::new(), Vec::new());
-    for (method, own) in methods.iter().zip(figures.chunks(*runs)) {
+    for (method, own) in METHODS.iter().zip(figures.chunks(*runs)) {
         let name = name(*method);
-        if *method == Method::Aided || *method == Method::Auto {
+        if *method == Method::Aided {
             answers.push(AnswerResult::of(format!("{name}, f"), own, |it| it.carried_deg, |it| it.main_s));
         }
         answers.push(AnswerResult::of(format!("{name}, c"), own, |it| it.calibration_deg, |it| it.calibration_s));
@@ -106,11 +106,9 @@ pub fn run(options: &FollowOptions) -> Result<FollowResult, LabError> {
     Ok(FollowResult { scenario: variant.about.clone(), runs: *runs, answers, methods: results, first })
 }
 
-/// The stretches behind a change; those from the start where nothing changes.
+/// The stretches behind a change.
 fn changed(runs: &[Figures]) -> impl Iterator<Item = &Stretch> {
-    let is_changed = |one: &&Stretch| one.begin != Begin::Start;
-    let some = runs.iter().flat_map(|run| &run.stretches).any(|one| is_changed(&one));
-    runs.iter().flat_map(|run| &run.stretches).filter(move |one| !some || is_changed(one))
+    runs.iter().flat_map(|run| &run.stretches).filter(|one| one.begin != Begin::Start)
 }
 
 impl AnswerResult {

@@ -1,11 +1,11 @@
 //! A followed change as tables and as a picture of its first run.
 
 use super::follow::{AnswerResult, FollowMethod, FollowResult, name};
-use crate::error::LabError;
-use crate::replay::figures;
-use crate::report::Report;
 use crate::score::Runs;
-use crate::table::{Table, number};
+use magcomp_replay::error::RunError;
+use magcomp_replay::figures;
+use magcomp_replay::report::Report;
+use magcomp_replay::table::{Table, number};
 
 impl FollowResult {
     /// A line for each answer, then one for each method.
@@ -62,7 +62,7 @@ impl FollowResult {
     }
 
     /// The tables, and the first method in the first run.
-    pub fn add_to(&self, report: &mut Report, figure: &str) -> Result<(), LabError> {
+    pub fn add_to(&self, report: &mut Report, figure: &str) -> Result<(), RunError> {
         self.tables().iter().for_each(|table| report.table(table));
         match &self.first {
             Some((recording, steps)) => figures(report, figure, recording, steps),

@@ -19,12 +19,12 @@ mod step_view;
 pub(crate) mod story;
 
 use crate::catalogue::Variant;
-use crate::error::LabError;
-use crate::replay::{Ignore, Player, Step};
 use crate::score::Figures;
 use crate::simulate::Simulation;
 use magcomp::{Config, Method};
 use magcomp_recordings::recording::Recording;
+use magcomp_replay::error::RunError;
+use magcomp_replay::{Ignore, Player, Step};
 use serde::Serialize;
 
 /// A variant's stream, and what a method makes of it.
@@ -33,7 +33,7 @@ pub fn answers(
     seed: u64,
     method: Method,
     ignore: Ignore,
-) -> Result<(Simulation, Recording, Vec<Step>), LabError> {
+) -> Result<(Simulation, Recording, Vec<Step>), RunError> {
     let scenario = variant.scenario(seed);
     let simulation = scenario.run();
     let config = Config { method, initial: variant.initial(&scenario), ..variant.config() };
@@ -44,7 +44,7 @@ pub fn answers(
 }
 
 /// One run of a variant, judged.
-pub fn judge(variant: &Variant, seed: u64, method: Method, ignore: Ignore) -> Result<Figures, LabError> {
+pub fn judge(variant: &Variant, seed: u64, method: Method, ignore: Ignore) -> Result<Figures, RunError> {
     let (simulation, _, steps) = answers(variant, seed, method, ignore)?;
     Ok(Figures::of(&simulation, &steps))
 }

@@ -1,11 +1,11 @@
 //! A magnet put on a device in the middle of its recording, by arithmetic: a constant field is added to the samples from then on. And headings
 //! that are judged from then on, by the constant angle of the rows before: nothing is forgiven that the magnet does.
 
-use crate::error::LabError;
-use crate::plot::{Colour, Layers, Panel, Series, draw};
-use crate::replay::VectorsJudge;
 use magcomp::nalgebra::Vector3;
 use magcomp_recordings::recording::{Extent, Row};
+use magcomp_replay::error::RunError;
+use magcomp_replay::plot::{Colour, Layers, Panel, Series, draw};
+use magcomp_replay::{VectorsJudge, off_deg};
 use serde::Serialize;
 
 /// The field that is added, device frame, uT: 27 uT in all. benchmarks/convert.py adds the same.
@@ -117,9 +117,9 @@ impl HeadingJudge {
         let known = self.course.iter().enumerate().filter(|(_, span)| span.east != 0.0 || span.north != 0.0);
         let point = |(k, span): (usize, &Span)| {
             // north too far east makes a heading too small
-            let off_deg = centre_deg - span.east.atan2(span.north).to_degrees();
+            let off_deg = off_deg(centre_deg, span.east.atan2(span.north).to_degrees());
             let sigma_deg = (span.with_sigma > 0).then(|| span.sigmas_deg / f64::from(span.with_sigma));
-            ((k as f64 + 0.5) * SPAN_S, (off_deg + 540.0).rem_euclid(360.0) - 180.0, sigma_deg)
+            ((k as f64 + 0.5) * SPAN_S, off_deg, sigma_deg)
         };
         known.map(point).collect()
     }
@@ -133,7 +133,7 @@ pub struct Drawn<'a> {
 }
 
 /// The errors of a few methods over time, with the two-sigma band of those that tell a sigma, and what happened when, s after the first row.
-pub fn picture(drawn: &[Drawn<'_>], happened: &[(f64, &str)]) -> Result<String, LabError> {
+pub fn picture(drawn: &[Drawn<'_>], happened: &[(f64, &str)]) -> Result<String, RunError> {
     let series = drawn.iter().map(|line| {
         let points = line.course.iter().map(|(s, error_deg, _)| (*s, error_deg.clamp(-SHOWN_DEG, SHOWN_DEG)));
         Series::new(&line.name, line.colour, broken(points))

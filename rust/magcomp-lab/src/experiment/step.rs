@@ -7,14 +7,14 @@ use super::bound::fit_options;
 use super::step_score::{AFTER, NormalisationResult, Score};
 use super::step_trace::{BEFORE, FIELD_UT, Trace};
 use crate::course::{Course, DevicePart};
-use crate::error::LabError;
 use crate::motion::Motion;
-use crate::parameters::{ParameterSet, Parameters, TrueParameters, as_typed};
-use crate::progress;
+use crate::parameters::{ParameterSet, Parameters, TrueParameters};
 use crate::random::{Purpose, Random};
 use crate::simulate::{Magnetometer, Noise, Scenario, Simulation, world_field_ut};
-use clap::ValueEnum;
-use magcomp::{Calibration, Compensator, Config, Method, Normalisation, Residual, WindowedConfig, fit_ellipsoid};
+use magcomp::{Calibration, Compensator, Config, Method, Normalisation, WindowedConfig, fit_ellipsoid};
+use magcomp_replay::command::{ResidualChoice, as_typed};
+use magcomp_replay::error::RunError;
+use magcomp_replay::progress;
 use serde::Serialize;
 
 /// Dip of that field, degrees.
@@ -25,43 +25,6 @@ pub const RATE_HZ: f64 = 100.0;
 const CONSTANT_FIELD_SAMPLES: usize = 4000;
 /// All parameters times this, unless another factor is given: the paper's step of 50 %.
 pub const FACTOR: f64 = 1.5;
-
-/// Which residual the windowed fits use, as the command line names it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum ResidualChoice {
-    /// Divided by its own gradient, free of the noise bias
-    #[default]
-    Corrected,
-    /// Eq. (10) as written
-    Algebraic,
-}
-
-impl From<ResidualChoice> for Residual {
-    fn from(choice: ResidualChoice) -> Self {
-        match choice {
-            ResidualChoice::Corrected => Self::Corrected,
-            ResidualChoice::Algebraic => Self::Algebraic,
-        }
-    }
-}
-
-/// How sigma_T is normalised, as the command line names it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum NormalisationChoice {
-    /// By 180 and 90 degrees: even orientations give 0.72
-    HalfRange,
-    /// By an even sphere: even orientations give 1
-    EvenSphere,
-}
-
-impl From<NormalisationChoice> for Normalisation {
-    fn from(choice: NormalisationChoice) -> Self {
-        match choice {
-            NormalisationChoice::HalfRange => Self::HalfRange,
-            NormalisationChoice::EvenSphere => Self::EvenSphere,
-        }
-    }
-}
 
 /// Options of the experiment.
 #[derive(Clone, Debug)]
@@ -124,7 +87,7 @@ pub struct StepResult {
 }
 
 /// Runs the experiment.
-pub fn run(options: &StepOptions) -> Result<StepResult, LabError> {
+pub fn run(options: &StepOptions) -> Result<StepResult, RunError> {
     let truth = options.truth.parameters(ParameterSet::Ref)?;
     let choices = options.normalisations.iter();
     let score =
@@ -178,7 +141,7 @@ fn scenario(options: &StepOptions, before: &Parameters, seed: u64) -> Scenario {
 }
 
 /// Section III: M_0 and b_0 from even orientations in a constant field.
-fn constant_field(options: &StepOptions, truth: &Parameters, seed: u64) -> Result<Calibration, LabError> {
+fn constant_field(options: &StepOptions, truth: &Parameters, seed: u64) -> Result<Calibration, RunError> {
     let sigma_ut = Noise::SnrDb(options.snr_db).sigma_ut(FIELD_UT);
     let mut random = Random::new(seed, Purpose::ConstantField);
     let points: Vec<_> = (0..CONSTANT_FIELD_SAMPLES)
@@ -186,7 +149,7 @@ fn constant_field(options: &StepOptions, truth: &Parameters, seed: u64) -> Resul
         .collect();
     fit_ellipsoid(&points, &fit_options(options.residual.into()))
         .map(|fit| fit.calibration)
-        .map_err(|error| LabError::Experiment(format!("constant-field compensation: {error}")))
+        .map_err(|error| RunError::Experiment(format!("constant-field compensation: {error}")))
 }
 
 /// The paper's method, |h| known.
@@ -203,7 +166,7 @@ fn config(options: &StepOptions, constant: Calibration, normalisation: Normalisa
 }
 
 /// One stream through one compensator.
-fn follow(stream: &Simulation, constant: Calibration, config: Config) -> Result<Trace, LabError> {
+fn follow(stream: &Simulation, constant: Calibration, config: Config) -> Result<Trace, RunError> {
     let mut compensator = Compensator::new(config)?;
     let mut trace = Trace::default();
     for (sample, truth) in stream.magnetic.iter().zip(&stream.truth) {

@@ -1,7 +1,7 @@
 //! All runs of the step experiment over time: what figs. 4 and 5 draw.
 
 use super::step_trace::{BEFORE, Trace, size};
-use crate::plot::Band;
+use magcomp_replay::plot::Band;
 
 /// Samples between two points of fig. 4.
 const POINT: usize = 10;

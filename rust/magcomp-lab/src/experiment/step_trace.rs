@@ -4,6 +4,7 @@ use crate::parameters::Parameters;
 use crate::simulate::Truth;
 use magcomp::nalgebra::Vector3;
 use magcomp::{Calibration, MagneticSample, Reading};
+use magcomp_replay::off_deg;
 
 /// Field of the simulation, uT: so that 1.5 M is still a plausible sensor.
 pub const FIELD_UT: f64 = 40.0;
@@ -67,7 +68,7 @@ pub(super) fn size(true_value: f64) -> f64 {
 fn angle_errors_deg(found: &Vector3<f64>, truth: &Vector3<f64>) -> (f64, f64) {
     let azimuth = |h: &Vector3<f64>| h.y.atan2(h.x).to_degrees();
     let elevation = |h: &Vector3<f64>| h.x.hypot(h.y).atan2(h.z).to_degrees();
-    let off = (azimuth(found) - azimuth(truth) + 540.0).rem_euclid(360.0) - 180.0;
+    let off = off_deg(azimuth(found), azimuth(truth));
     let counts = truth.x.hypot(truth.y) >= OFF_THE_POLES * truth.norm();
     (if counts { off } else { f64::NAN }, elevation(found) - elevation(truth))
 }

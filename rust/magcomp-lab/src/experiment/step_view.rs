@@ -3,11 +3,11 @@
 use super::step::StepResult;
 use super::step_course::Course;
 use super::step_score::{NormalisationResult, Peaks};
-use crate::error::LabError;
 use crate::parameters::NAMES;
-use crate::plot::{Band, Colour, Layers, Panel, Series, draw};
-use crate::report::Report;
-use crate::table::{Table, number};
+use magcomp_replay::error::RunError;
+use magcomp_replay::plot::{Band, Colour, Layers, Panel, Series, draw};
+use magcomp_replay::report::Report;
+use magcomp_replay::table::{Table, number};
 
 impl StepResult {
     /// One table for the parameters, one for the angles.
@@ -80,7 +80,7 @@ impl StepResult {
     }
 
     /// Figs. 4 and 5 of all runs, for the first normalisation.
-    pub fn add_to(&self, report: &mut Report) -> Result<(), LabError> {
+    pub fn add_to(&self, report: &mut Report) -> Result<(), RunError> {
         let [parameters, angles] = self.tables();
         let first = self.normalisations.first();
         if let Some(first) = first {

@@ -3,10 +3,10 @@
 use super::compare_recording::{FIELD_UT, NOISE_UT, push_inertial};
 use super::put_on::{Course, Drawn, Heading, HeadingJudge, middle_s, picture, with_magnet};
 use crate::baseline::{Contestant, Known};
-use crate::error::LabError;
-use crate::plot::Colour;
 use magcomp::MagneticSample;
 use magcomp_recordings::recording::Recording;
+use magcomp_replay::error::RunError;
+use magcomp_replay::plot::Colour;
 use serde::Serialize;
 
 /// The methods with their one free number, their names, and the colours of those that are drawn.
@@ -42,7 +42,7 @@ pub struct Story {
 
 impl Story {
     /// Of a recording as it is, or with a magnet put on in its middle.
-    pub fn of(recording: &Recording, puts_on: bool) -> Result<Self, LabError> {
+    pub fn of(recording: &Recording, puts_on: bool) -> Result<Self, RunError> {
         let extent = recording.extent();
         let on_s = puts_on.then(|| middle_s(&extent));
         let known = Known {
@@ -75,7 +75,7 @@ impl Story {
     }
 
     /// The heading error over time.
-    pub fn picture(&self, happened: &[(f64, &str)]) -> Result<String, LabError> {
+    pub fn picture(&self, happened: &[(f64, &str)]) -> Result<String, RunError> {
         let line = |told: &'_ Told| -> Option<(String, Colour)> {
             let digits = usize::from(told.rms_deg() < 10.0);
             Some((format!("{} {:.digits$}", told.method, told.rms_deg()), told.colour?))

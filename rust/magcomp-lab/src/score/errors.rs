@@ -1,9 +1,9 @@
 //! The errors of every sample of a run.
 
-use crate::replay::Step;
 use crate::simulate::{Simulation, Truth};
 use magcomp::Status;
 use magcomp::nalgebra::Vector3;
+use magcomp_replay::{Step, off_deg};
 
 /// Beyond so many sigmas a heading that is `Tracking` is a lie.
 const LIE_SIGMAS: f64 = 3.0;
@@ -69,7 +69,7 @@ impl Sample {
         // the horizontal direction between top edge and camera
         let ahead = truth.attitude * up.cross(&Vector3::x());
         let true_deg = ahead.x.atan2(ahead.y).to_degrees();
-        let heading_deg = reading.heading.map(|found| (found.heading_deg - true_deg + 540.0).rem_euclid(360.0) - 180.0);
+        let heading_deg = reading.heading.map(|found| off_deg(found.heading_deg, true_deg));
         Self {
             time_s: reading.time_ns as f64 / 1e9,
             mode: Mode::of(&reading.status),

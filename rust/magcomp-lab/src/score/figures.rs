@@ -2,10 +2,10 @@
 
 use super::errors::{Mode, Sample, samples};
 use super::stretch::{self, Begin, Stretch, explains};
-use crate::replay::Step;
 use crate::simulate::{Change, ChangeKind, Simulation};
-use crate::statistics::{median, rms};
 use magcomp::{Event, EventKind};
+use magcomp_replay::Step;
+use magcomp_replay::statistics::{median, rms};
 use serde::Serialize;
 
 /// From here on a run is judged, s.

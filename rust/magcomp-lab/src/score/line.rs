@@ -2,7 +2,7 @@
 
 use super::figures::Figures;
 use super::stretch::{Begin, Stretch};
-use crate::statistics::median;
+use magcomp_replay::statistics::median;
 use serde::Serialize;
 
 /// Median and worst run.

@@ -2,8 +2,8 @@
 
 use super::errors::{Mode, Sample};
 use crate::simulate::{Change, ChangeKind};
-use crate::statistics::rms;
 use magcomp::Event;
+use magcomp_replay::statistics::rms;
 use serde::Serialize;
 
 /// Shorter stretches are not judged, s.

@@ -2,11 +2,11 @@
 
 use super::score::{Kind, Outcome, Unit, Way};
 use crate::catalogue::{Group, Variant, find};
-use crate::error::LabError;
-use crate::replay::{Ignore, Player, Step};
 use crate::score::Figures;
 use crate::trials::{Folder, MAGNETS, MagnetScore, Trial, TrialScore};
 use magcomp::{Config, Method, Tunings};
+use magcomp_replay::error::RunError;
+use magcomp_replay::{Ignore, Player, Step};
 use std::path::Path;
 
 /// A variant or two of every group that exercises the estimator with a gyroscope: extend it with the catalogue.
@@ -82,13 +82,13 @@ impl Way {
     }
 
     /// Its variants, of these groups if there are any.
-    pub fn variants(self, groups: &[Group]) -> Result<Vec<Variant>, LabError> {
+    pub fn variants(self, groups: &[Group]) -> Result<Vec<Variant>, RunError> {
         let names = match self {
             Self::WithGyroscope => WITH_GYROSCOPE,
             Self::Alone => ALONE,
         };
         let mut variants =
-            names.iter().map(|name| find(name).map_err(LabError::Usage)).collect::<Result<Vec<_>, _>>()?;
+            names.iter().map(|name| find(name).map_err(RunError::Usage)).collect::<Result<Vec<_>, _>>()?;
         variants.retain(|variant| groups.is_empty() || groups.contains(&variant.group));
         Ok(variants)
     }
@@ -114,7 +114,7 @@ impl Way {
 }
 
 /// The stream of a variant and a seed with every setting, and the samples that were played.
-pub(super) fn stream(way: Way, variant: &Variant, seed: u64, settings: &[Tunings]) -> Result<(Unit, usize), LabError> {
+pub(super) fn stream(way: Way, variant: &Variant, seed: u64, settings: &[Tunings]) -> Result<(Unit, usize), RunError> {
     let scenario = variant.scenario(seed);
     let (simulation, initial) = (scenario.run(), variant.initial(&scenario));
     let recording = simulation.recording(&variant.name);
@@ -129,7 +129,7 @@ pub(super) fn stream(way: Way, variant: &Variant, seed: u64, settings: &[Tunings
             ..Outcome::of(figures.answered.unwrap_or(1.0), figures.error.heading_deg, figures.z2)
         })
     });
-    let outcomes = outcomes.collect::<Result<Vec<_>, LabError>>()?;
+    let outcomes = outcomes.collect::<Result<Vec<_>, RunError>>()?;
     let unit = Unit {
         way,
         kind: Kind::Stream,
@@ -146,7 +146,7 @@ pub(super) fn trial(
     folder: &Folder,
     path: &Path,
     settings: &[(Way, Vec<Tunings>)],
-) -> Result<(Vec<Unit>, usize), LabError> {
+) -> Result<(Vec<Unit>, usize), RunError> {
     let trial = folder.read(path)?;
     let (mut units, mut rows) = (Vec::new(), 0);
     for (way, settings) in settings {
@@ -169,7 +169,7 @@ pub(super) fn trial(
 }
 
 /// Every magnet on a trial with every setting, and the samples that were played; those that can't be judged with each setting are left out.
-fn magnets(trial: &Trial, way: Way, settings: &[Tunings]) -> Result<(Vec<Unit>, usize), LabError> {
+fn magnets(trial: &Trial, way: Way, settings: &[Tunings]) -> Result<(Vec<Unit>, usize), RunError> {
     let (mut units, mut rows) = (Vec::new(), 0);
     // the first of them is none
     for magnet in MAGNETS.iter().skip(1).filter(|_| trial.takes_magnets()) {

@@ -5,12 +5,11 @@ use super::bench::{TOGETHER, stream, trial};
 use super::score::{Contrast, Moves, Unit, Way};
 use super::view::{Found, Row, SensitivityOptions, Subject, csv, page};
 use crate::catalogue::Variant;
-use crate::error::LabError;
-use crate::parallel::cores;
-use crate::progress;
-use crate::table::Table;
+use crate::parallel::{cores, map_shown};
 use crate::trials::Folder;
 use magcomp::{Mechanism, Tunings};
+use magcomp_replay::error::RunError;
+use magcomp_replay::table::Table;
 use std::ops::{Range, RangeInclusive};
 use std::path::Path;
 
@@ -35,7 +34,7 @@ impl Subject {
 }
 
 /// Every choice, then every mechanism, with its part, that is asked for.
-fn subjects(options: &SensitivityOptions) -> Result<Vec<(&'static str, Subject)>, LabError> {
+fn subjects(options: &SensitivityOptions) -> Result<Vec<(&'static str, Subject)>, RunError> {
     let choices = Tunings::list().map(|(part, choice)| (part, Subject::Choice(choice)));
     let mechanisms = Tunings::mechanisms().map(|(part, mechanism)| (part, Subject::Mechanism(mechanism)));
     let all: Vec<_> = choices.filter(|_| !options.switches).chain(mechanisms).collect();
@@ -43,7 +42,7 @@ fn subjects(options: &SensitivityOptions) -> Result<Vec<(&'static str, Subject)>
     if let Some(unknown) = options.only.iter().find(|part| !all.iter().any(|(_, it)| fits(&it.name(), part))) {
         let what = if options.switches { "mechanism" } else { "choice or mechanism" };
         let why = format!("no {what} has '{unknown}' in its name; docs/dev/TUNING.md lists all");
-        return Err(LabError::Usage(why));
+        return Err(RunError::Usage(why));
     }
     let is_asked_for = |name: &str| options.only.is_empty() || options.only.iter().any(|part| fits(name, part));
     let mut found: Vec<_> = all.into_iter().filter(|(_, it)| is_asked_for(&it.name())).collect();
@@ -79,11 +78,11 @@ enum Job<'a> {
 /// as CSV.
 ///
 /// # Errors
-/// [`LabError::Usage`] for a name that nothing has, for one seed alone, and where a folder has no recording with a reference;
-/// [`LabError::Recording`] names a file that is at fault.
-pub fn run(options: &SensitivityOptions) -> Result<(Table, String), LabError> {
+/// [`RunError::Usage`] for a name that nothing has, for one seed alone, and where a folder has no recording with a reference;
+/// [`RunError::Recording`] names a file that is at fault.
+pub fn run(options: &SensitivityOptions) -> Result<(Table, String), RunError> {
     if options.seeds.start() == options.seeds.end() {
-        return Err(LabError::Usage("one seed tells no noise; give two at least, such as --seeds 1-8".to_owned()));
+        return Err(RunError::Usage("one seed tells no noise; give two at least, such as --seeds 1-8".to_owned()));
     }
     let subjects = subjects(options)?;
     let mut settings: Vec<(Way, Vec<Tunings>)> = Way::ALL.map(|way| (way, vec![Tunings::default()])).to_vec();
@@ -101,10 +100,10 @@ pub fn run(options: &SensitivityOptions) -> Result<(Table, String), LabError> {
     let folders: Vec<Folder> = folders.collect::<Result<_, _>>()?;
     if folders.iter().map(|folder| folder.paths.len()).sum::<usize>() == 1 {
         let why = "one recording tells no spread; name a folder with two at least";
-        return Err(LabError::Usage(why.to_owned()));
+        return Err(RunError::Usage(why.to_owned()));
     }
     let variants = settings.iter().map(|(way, _)| Ok((*way, way.variants(&options.groups)?)));
-    let variants: Vec<(Way, Vec<Variant>)> = variants.collect::<Result<_, LabError>>()?;
+    let variants: Vec<(Way, Vec<Variant>)> = variants.collect::<Result<_, RunError>>()?;
     let (units, samples) = play(&settings, &variants, &folders, &options.seeds)?;
     let setting_of = |part: &str, mechanism: &Mechanism, way: Way| {
         let is_it = |it: &&Place| it.0 == part && it.2 == way && it.1.is(mechanism);
@@ -136,7 +135,7 @@ fn play(
     variants: &[(Way, Vec<Variant>)],
     folders: &[Folder],
     seeds: &RangeInclusive<u64>,
-) -> Result<(Vec<Unit>, usize), LabError> {
+) -> Result<(Vec<Unit>, usize), RunError> {
     let mut jobs = Vec::new();
     for folder in folders {
         jobs.extend(folder.paths.iter().map(|path| Job::Trial(folder, path.as_path())));
@@ -144,7 +143,7 @@ fn play(
     for (own, (_, variants)) in settings.iter().zip(variants) {
         jobs.extend(variants.iter().flat_map(|it| seeds.clone().map(move |seed| Job::Stream(own, it, seed))));
     }
-    let found = progress::map("sensitivity", &jobs, cores(), |job| match job {
+    let found = map_shown("sensitivity", &jobs, cores(), |job| match job {
         Job::Stream((way, own), variant, seed) => {
             stream(*way, variant, *seed, own).map(|(unit, rows)| (vec![unit], rows))
         }

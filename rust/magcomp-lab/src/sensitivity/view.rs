@@ -2,8 +2,8 @@
 
 use super::score::{Kind, MOVED, MOVED_IN_A_GROUP, Moved, Moves, Unit, Way, absolute_deg};
 use crate::catalogue::{Group, Variant};
-use crate::table::Table;
 use magcomp::{Choice, Mechanism};
+use magcomp_replay::table::Table;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 

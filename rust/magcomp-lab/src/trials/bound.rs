@@ -12,9 +12,9 @@
 //! filter that knows what D and A have in common, may do better; the bound of one that believes a place otherwise is another.
 
 use crate::inertial::GRAVITY_M_S2;
-use crate::statistics::median;
 use magcomp::nalgebra::{Matrix3, SMatrix, SVector, UnitQuaternion, Vector3};
 use magcomp_recordings::recording::Row;
+use magcomp_replay::statistics::median;
 
 /// T, s: longer than what is taken for noise, and many of them in a minute.
 const MEAN_S: f64 = 8.0;

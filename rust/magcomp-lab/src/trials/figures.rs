@@ -1,6 +1,6 @@
 //! The figures of a recording: name, how it is shown, which of two is worse, and where it comes from.
 
-use crate::replay::{AbsoluteHeading, HeadingError, Judgement};
+use magcomp_replay::{AbsoluteHeading, HeadingError, Judgement};
 
 /// Which values of a figure are bad.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,8 +1,8 @@
 //! The recordings of a folder that have a reference.
 
-use crate::error::LabError;
 use magcomp_recordings::error::RecordingError;
 use magcomp_recordings::recording::{files_of, unzipped};
+use magcomp_replay::error::RunError;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ const RAW: &str = "_uncal";
 const SYSTEM: &str = "_oscal";
 
 /// The recordings of a folder whose header has a reference orientation, by name. A system's half of a pair is none.
-pub(super) fn recordings(folder: &Path) -> Result<Vec<PathBuf>, LabError> {
+pub(super) fn recordings(folder: &Path) -> Result<Vec<PathBuf>, RunError> {
     let paths = files_of(folder)?;
     let is_second_half = |path: &Path| {
         let raw = path.to_string_lossy().replace(SYSTEM, RAW);
@@ -28,7 +28,7 @@ pub(super) fn recordings(folder: &Path) -> Result<Vec<PathBuf>, LabError> {
     }
     if found.is_empty() {
         let why = "no recording (.csv, .csv.gz) with a reference orientation, columns qw,qx,qy,qz, is in this folder";
-        return Err(LabError::Usage(format!("{}: {why}", folder.display())));
+        return Err(RunError::Usage(format!("{}: {why}", folder.display())));
     }
     Ok(found)
 }

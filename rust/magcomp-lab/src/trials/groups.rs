@@ -1,10 +1,10 @@
 //! Which group a recording belongs to, and how far magnetic north is from its reference's: an index, CSV with the columns
 //! recording,group[,declination_deg][,magnet_s][,calibration][,judged_s]. `recording` is a name or a pattern with * and ?; the first line that fits a recording counts.
 
-use crate::beside::read_table;
-use crate::error::LabError;
 use glob::Pattern;
 use magcomp_recordings::error::{Place, RecordingError};
+use magcomp_replay::beside::read_table;
+use magcomp_replay::error::RunError;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -53,7 +53,7 @@ pub(super) struct Groups {
 
 impl Groups {
     /// The index named, else the one of the folder, else none.
-    pub fn of(folder: &Path, index: Option<&Path>) -> Result<Self, LabError> {
+    pub fn of(folder: &Path, index: Option<&Path>) -> Result<Self, RunError> {
         let rest = |group: &str| Rule { group: group.to_owned(), ..Rule::default() };
         let own = folder.join(INDEX);
         let Some(path) = index.map(Path::to_owned).or_else(|| own.is_file().then_some(own)) else {

@@ -12,16 +12,16 @@ use super::score::config;
 use super::tuned::{Folder, Trial};
 use crate::catalogue::{hash, symmetric};
 use crate::course::Course;
-use crate::error::LabError;
-use crate::progress;
+use crate::parallel::map_shown;
 use crate::random::{Purpose, Random};
-use crate::replay::{Ignore, Player, azimuth_deg, off_deg, reference_heading_deg};
 use crate::score::{Figures, Mode, Sample};
 use crate::simulate::{Change, ChangeKind};
-use crate::statistics::{median, rms};
 use magcomp::nalgebra::{Matrix3, Vector3};
 use magcomp::{Event, Method, ReferenceAxis, Tunings};
 use magcomp_recordings::recording::Row;
+use magcomp_replay::error::RunError;
+use magcomp_replay::statistics::{median, rms};
+use magcomp_replay::{Ignore, Player, azimuth_deg, off_deg, reference_heading_deg};
 use serde::Serialize;
 use std::num::NonZeroUsize;
 use std::ops::RangeInclusive;
@@ -160,17 +160,17 @@ pub struct MagnetTrials {
 /// [`super::judge_folder`].
 ///
 /// # Errors
-/// [`LabError::Recording`] names the file that is at fault; [`LabError::Usage`] where a magnet can be put on no recording.
+/// [`RunError::Recording`] names the file that is at fault; [`RunError::Usage`] where a magnet can be put on no recording.
 pub fn put_on_folder(
     folder: &Path,
     index: Option<&Path>,
     seeds: &RangeInclusive<u64>,
     ignore: Ignore,
     threads: NonZeroUsize,
-) -> Result<MagnetTrials, LabError> {
+) -> Result<MagnetTrials, RunError> {
     let path = folder;
     let folder = Folder::open(path, index)?;
-    let played = progress::map("magnets", &folder.paths, threads, |file| -> Result<_, LabError> {
+    let played = map_shown("magnets", &folder.paths, threads, |file| -> Result<_, RunError> {
         let trial = folder.read(file)?;
         if !trial.takes_magnets() {
             return Ok((Vec::new(), Some(format!("{}: left out, it has a magnet of its own", trial.name))));
@@ -192,7 +192,7 @@ pub fn put_on_folder(
     }
     if runs.is_empty() {
         let why = "a magnet can be put on no recording of this folder: each needs a minute, 100 headings before it, and none of its own (magnet_s)";
-        return Err(LabError::Usage(format!("{}: {why}", path.display())));
+        return Err(RunError::Usage(format!("{}: {why}", path.display())));
     }
     let groups = folder.groups.names().into_iter().map(str::to_owned).collect();
     Ok(MagnetTrials { label: LABEL, groups, runs, warnings })
@@ -212,7 +212,7 @@ impl Trial {
         magnet: &Magnet,
         seed: u64,
         (method, ignore, tunings): (Method, Ignore, Tunings),
-    ) -> Result<Option<MagnetScore>, LabError> {
+    ) -> Result<Option<MagnetScore>, RunError> {
         let player = Player::tuned(config(self.declination_deg), method, ignore, tunings)?;
         Ok(self.magnet_score(magnet, seed, player))
     }
@@ -231,22 +231,8 @@ impl Trial {
             moment(&drawn.put_on(row, after_s), after_s, first_ns, &mut player)
         });
         let mut moments: Vec<Moment> = played.collect();
-        let is_before = |sample: &Sample| sample.time_s > FROM_S && sample.time_s < drawn.begins_s;
-        let is_judged = |sample: &Sample| sample.is_level && sample.time_s > drawn.begins_s;
-        let judged = moments.iter().filter(|moment| is_judged(&moment.sample)).count();
-        let errors: [fn(&mut Sample) -> &mut Option<f64>; 3] =
-            [|it| &mut it.heading_deg, |it| &mut it.carried_deg, |it| &mut it.calibration_deg];
-        for (k, error) in errors.iter().enumerate() {
-            let before = moments.iter_mut().filter(|moment| is_before(&moment.sample));
-            let before: Vec<f64> = before.filter_map(|moment| *error(&mut moment.sample)).collect();
-            if k == 0 && (before.len() < FEWEST || judged < FEWEST) {
-                return None;
-            }
-            let centre_deg = centre_deg(&before);
-            moments.iter_mut().for_each(|moment| {
-                let error = error(&mut moment.sample);
-                *error = error.map(|error| off_deg(error, centre_deg)).map(|off| if k == 0 { off } else { off.abs() });
-            });
+        if !take_constants_out(&mut moments, drawn.begins_s) {
+            return None;
         }
         let before = moments.iter().rev().find(|moment| moment.sample.time_s < drawn.begins_s)?.hard_iron_ut;
         for moment in &mut moments {
@@ -311,6 +297,28 @@ fn moment(row: &Row, after_s: f64, first_ns: i64, player: &mut Player) -> Moment
         ..event
     });
     Moment { sample, hard_iron_ut: step.calibration.map(|known| *known.hard_iron_ut()), event }
+}
+
+/// Takes out of each error its constant before the magnet. Says whether there is enough before it and after.
+fn take_constants_out(moments: &mut [Moment], begins_s: f64) -> bool {
+    let is_before = |sample: &Sample| sample.time_s > FROM_S && sample.time_s < begins_s;
+    let is_judged = |sample: &Sample| sample.is_level && sample.time_s > begins_s;
+    let judged = moments.iter().filter(|moment| is_judged(&moment.sample)).count();
+    let errors: [fn(&mut Sample) -> &mut Option<f64>; 3] =
+        [|it| &mut it.heading_deg, |it| &mut it.carried_deg, |it| &mut it.calibration_deg];
+    for (k, error) in errors.iter().enumerate() {
+        let before = moments.iter_mut().filter(|moment| is_before(&moment.sample));
+        let before: Vec<f64> = before.filter_map(|moment| *error(&mut moment.sample)).collect();
+        if k == 0 && (before.len() < FEWEST || judged < FEWEST) {
+            return false;
+        }
+        let centre_deg = centre_deg(&before);
+        moments.iter_mut().for_each(|moment| {
+            let error = error(&mut moment.sample);
+            *error = error.map(|error| off_deg(error, centre_deg)).map(|off| if k == 0 { off } else { off.abs() });
+        });
+    }
+    true
 }
 
 /// The circular median: that of the sines and that of the cosines.

@@ -3,10 +3,10 @@
 use super::figures::Worse;
 use super::magnets::{MAGNETS, MagnetScore, MagnetTrials};
 use super::score::Summary;
-use crate::error::LabError;
-use crate::plot::{Colour, DotRow, Dots};
-use crate::report::Report;
-use crate::table::{Table, number};
+use magcomp_replay::error::RunError;
+use magcomp_replay::plot::{Colour, DotRow, Dots};
+use magcomp_replay::report::Report;
+use magcomp_replay::table::{Table, number};
 
 const COLUMNS: [&str; 15] = [
     "group",
@@ -53,7 +53,7 @@ impl MagnetTrials {
     }
 
     /// Adds a picture of each group and the table to a report.
-    pub fn add_to(&self, report: &mut Report) -> Result<(), LabError> {
+    pub fn add_to(&self, report: &mut Report) -> Result<(), RunError> {
         let groups = self.groups.iter().filter(|group| self.runs.iter().any(|run| run.group == **group));
         for (k, group) in groups.enumerate() {
             let row = |name: &'static str| {

@@ -19,11 +19,11 @@ pub use rivals::{Comparison, Entry, compare_folder};
 pub use score::{GroupScore, Score, Summary, Trials};
 pub use tuned::{Folder, Trial, TrialScore};
 
-use crate::error::LabError;
-use crate::progress;
-use crate::replay::Ignore;
+use crate::parallel::map_shown;
 use folder::recordings;
 use groups::Groups;
+use magcomp_replay::Ignore;
+use magcomp_replay::error::RunError;
 use score::with_warnings;
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -32,17 +32,17 @@ use std::path::Path;
 /// (`magcomp evaluate --help`), the folder's own `INDEX.csv` when it is none. The result does not depend on the number of threads.
 ///
 /// # Errors
-/// [`LabError::Recording`] names the file that is at fault; [`LabError::Usage`] where no recording has a
+/// [`RunError::Recording`] names the file that is at fault; [`RunError::Usage`] where no recording has a
 /// reference.
 pub fn judge_folder(
     folder: &Path,
     index: Option<&Path>,
     ignore: Ignore,
     threads: NonZeroUsize,
-) -> Result<Trials, LabError> {
+) -> Result<Trials, RunError> {
     let paths = recordings(folder)?;
     let groups = Groups::of(folder, index)?;
-    let scores = progress::map("evaluate", &paths, threads, |path| Score::of(path, &groups, ignore));
+    let scores = map_shown("evaluate", &paths, threads, |path| Score::of(path, &groups, ignore));
     let scores = scores.into_iter().collect::<Result<_, _>>()?;
     let (recordings, warnings) = with_warnings(scores, &groups);
     Ok(Trials { groups: GroupScore::of_all(&recordings, &groups), recordings, warnings })

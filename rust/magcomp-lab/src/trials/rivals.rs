@@ -5,16 +5,16 @@ use super::folder::{name_of, recordings, system_half};
 use super::groups::{Groups, Rule};
 use super::score::{GroupScore, Score, Summary, with_warnings};
 use crate::baseline::{Baseline, Contestant, Known};
-use crate::beside::read_table;
-use crate::error::LabError;
 use crate::experiment::compare_recording::{FIELD_UT, NOISE_UT, push_inertial};
 use crate::experiment::put_on::{Course, Heading, HeadingJudge};
-use crate::progress;
-use crate::replay::Ignore;
+use crate::parallel::map_shown;
 use magcomp::nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use magcomp::{Calibration, FitOptions, MagneticSample, Residual, fit_ellipsoid};
+use magcomp::{Calibration, ConfigError, FitOptions, MagneticSample, Residual, fit_ellipsoid};
 use magcomp_recordings::import::{ImportOptions, open};
 use magcomp_recordings::recording::Row;
+use magcomp_replay::Ignore;
+use magcomp_replay::beside::read_table;
+use magcomp_replay::error::RunError;
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -44,6 +44,19 @@ enum Given {
 
 const fn rival(name: &'static str, contestant: Contestant, value: f64, given: Given) -> Rival {
     Rival { name, contestant, value, given }
+}
+
+impl Rival {
+    /// A fresh one; none where it cannot take part, as one that lacks the calibration it is to be given.
+    fn make(&self, initial: Option<Calibration>) -> Result<Option<Box<dyn Baseline>>, ConfigError> {
+        let initial = initial.filter(|_| self.given == Given::Calibrated);
+        if self.given == Given::Calibrated && initial.is_none() {
+            return Ok(None);
+        }
+        let known =
+            Known { seed: 0, noise_ut: NOISE_UT, field_ut: FIELD_UT, parameters: None, initial, reference: false };
+        self.contestant.make(self.value, &known)
+    }
 }
 
 /// All of them, in the order of the tables: from the magnetometer alone, then with gyroscope and accelerometer. magcomp's is the last of each.
@@ -164,14 +177,14 @@ impl EntryLine {
 
 impl Entry {
     /// Its answers to a recording; none where it has no file of that name.
-    fn answers(&self, recording: &str, rows: usize) -> Result<Option<Vec<EntryLine>>, LabError> {
+    fn answers(&self, recording: &str, rows: usize) -> Result<Option<Vec<EntryLine>>, RunError> {
         let Some(file) = csv_of(&self.folder, recording) else { return Ok(None) };
         let lines: Vec<EntryLine> = read_table(&file, "answers with the columns qw,qx,qy,qz or cx,cy,cz")?;
         if lines.len() == rows {
             return Ok(Some(lines));
         }
         let why = format!("{} rows for a recording of {rows}", lines.len());
-        Err(LabError::Usage(format!("{}: {why}", file.display())))
+        Err(RunError::Usage(format!("{}: {why}", file.display())))
     }
 }
 
@@ -187,17 +200,17 @@ pub fn compare_folder(
     index: Option<&Path>,
     entries: &[Entry],
     threads: NonZeroUsize,
-) -> Result<Comparison, LabError> {
+) -> Result<Comparison, RunError> {
     let paths = recordings(folder)?;
     let groups = Groups::of(folder, index)?;
-    let both = progress::map("compare", &paths, threads, |path| {
+    let both = map_shown("compare", &paths, threads, |path| {
         let (score, warnings) = Score::of(path, &groups, Ignore::default())?;
         let ours = Compared {
             within_two_sigma: score.figures["within_two_sigma"],
             device_steps: score.device_steps,
             ..compared(path, &groups, entries)?
         };
-        Ok::<_, LabError>(((score, warnings), ours))
+        Ok::<_, RunError>(((score, warnings), ours))
     });
     let both = both.into_iter().collect::<Result<Vec<_>, _>>()?;
     let (scores, recordings): (Vec<(Score, Vec<String>)>, Vec<Compared>) = both.into_iter().unzip();
@@ -217,12 +230,12 @@ struct SystemLine {
 }
 
 /// The operating system's field beside each row of a recording; none where the recording has no such half.
-fn system_of(path: &Path, rows: usize) -> Result<Vec<Option<Vector3<f64>>>, LabError> {
+fn system_of(path: &Path, rows: usize) -> Result<Vec<Option<Vector3<f64>>>, RunError> {
     let Some(half) = system_half(path) else { return Ok(Vec::new()) };
     let lines: Vec<SystemLine> = read_table(&half, "the system's field, with the columns mx,my,mz")?;
     if lines.len() != rows {
         let why = format!("{} rows for a recording of {rows}", lines.len());
-        return Err(LabError::Usage(format!(
+        return Err(RunError::Usage(format!(
             "{}: {why}; write a row for each of its rows, with empty cells where there is no field",
             half.display()
         )));
@@ -231,28 +244,20 @@ fn system_of(path: &Path, rows: usize) -> Result<Vec<Option<Vector3<f64>>>, LabE
 }
 
 /// One recording through all methods.
-fn compared(path: &Path, groups: &Groups, entries: &[Entry]) -> Result<Compared, LabError> {
+fn compared(path: &Path, groups: &Groups, entries: &[Entry]) -> Result<Compared, RunError> {
     let recording = name_of(path);
     let Rule { group, declination_deg, magnet_s, calibration, judged_s, .. } = groups.find(&recording);
     let initial = calibration.as_ref().map(|name| first_step(path, name)).transpose()?;
     let mut opened = open(&[path.to_owned()], &ImportOptions::default())?;
     let extent = *opened.source.extent();
     let system = system_of(path, extent.rows)?;
-    let known =
-        Known { seed: 0, noise_ut: NOISE_UT, field_ut: FIELD_UT, parameters: None, initial: None, reference: false };
     let judge = || HeadingJudge::new(&extent, judged_s.map(|judged_s| extent.start_s + judged_s));
     let mut running = Vec::new();
     for rival in RIVALS {
-        let known = match (rival.given, initial) {
-            (Given::Calibrated, Some(_)) => Some(Known { initial, ..known.clone() }),
-            (Given::Calibrated, None) => None,
-            _ => Some(known.clone()),
-        };
-        let method = known.map(|known| rival.contestant.make(rival.value, &known)).transpose()?.flatten();
-        running.push((rival, method, judge()));
+        running.push((rival, rival.make(initial)?, judge()));
     }
     let entered = entries.iter().map(|entry| Ok((entry.answers(&recording, extent.rows)?, judge())));
-    let mut entered: Vec<(Option<Vec<EntryLine>>, HeadingJudge)> = entered.collect::<Result<_, LabError>>()?;
+    let mut entered: Vec<(Option<Vec<EntryLine>>, HeadingJudge)> = entered.collect::<Result<_, RunError>>()?;
     let mut magnet = magnet_s.map(|told| Magnet::new(told, extent.start_s));
     for (k, row) in opened.source.rows()?.enumerate() {
         let row = row?;
@@ -297,15 +302,15 @@ fn compared(path: &Path, groups: &Groups, entries: &[Entry]) -> Result<Compared,
 }
 
 /// The paper's first step: the ellipsoid through all samples of the recording of this name, which lies beside `path`, as (10) is written.
-fn first_step(path: &Path, name: &str) -> Result<Calibration, LabError> {
+fn first_step(path: &Path, name: &str) -> Result<Calibration, RunError> {
     let folder = path.parent().unwrap_or(Path::new("."));
-    let missing = || LabError::Usage(format!("{}: there is no recording {name} beside it", path.display()));
+    let missing = || RunError::Usage(format!("{}: there is no recording {name} beside it", path.display()));
     let file = csv_of(folder, name).ok_or_else(missing)?;
     let mut opened = open(std::slice::from_ref(&file), &ImportOptions::default())?;
     let rows: Vec<Row> = opened.source.rows()?.collect::<Result<_, _>>()?;
     let samples: Vec<Vector3<f64>> = rows.iter().map(|row| row.field_ut).collect();
     let options = FitOptions { residual: Residual::Algebraic, ..FitOptions::default() };
-    let refused = |error| LabError::Usage(format!("{}: no calibration: {error}", file.display()));
+    let refused = |error| RunError::Usage(format!("{}: no calibration: {error}", file.display()));
     fit_ellipsoid(&samples, &options).map(|fit| fit.calibration).map_err(refused)
 }
 

@@ -3,12 +3,12 @@
 use super::figures::Worse;
 use super::rivals::{Compared, Comparison, DRAWN, MagnetStep, OURS};
 use super::score::{GroupScore, Summary};
-use crate::error::LabError;
 use crate::experiment::put_on::{Drawn, Heading, picture};
-use crate::plot::{Colour, DotRow, Dots};
-use crate::report::Report;
-use crate::table::{Table, number};
 use magcomp::nalgebra::Vector3;
+use magcomp_replay::error::RunError;
+use magcomp_replay::plot::{Colour, DotRow, Dots};
+use magcomp_replay::report::Report;
+use magcomp_replay::table::{Table, number};
 use std::fmt::Write as _;
 
 impl Comparison {
@@ -30,7 +30,7 @@ impl Comparison {
     }
 
     /// Adds the pictures and the tables to a report.
-    pub fn add_to(&self, report: &mut Report) -> Result<(), LabError> {
+    pub fn add_to(&self, report: &mut Report) -> Result<(), RunError> {
         for (k, ours) in self.ours.iter().enumerate() {
             let own: Vec<&Compared> = self.of_group(ours);
             let row = |method: usize| {
@@ -71,7 +71,7 @@ impl Comparison {
     }
 
     /// The headings over time where rows are judged from a moment on.
-    fn picture(&self, it: &Compared) -> Result<Option<String>, LabError> {
+    fn picture(&self, it: &Compared) -> Result<Option<String>, RunError> {
         let Some((judged_s, courses)) = &it.drawn else { return Ok(None) };
         let drawn = DRAWN.into_iter().zip(courses).filter_map(|(name, course)| {
             let method = self.methods.iter().position(|method| method == name)?;

@@ -4,12 +4,12 @@ use super::bound::Bounding;
 use super::figures::{FIGURES, Worse};
 use super::folder::name_of;
 use super::groups::{Groups, Rule};
-use crate::error::LabError;
-use crate::replay::{Ignore, Judge, Judgement, Player, usual_part};
 use magcomp::{Config, HeadingConfig, ReferenceAxis};
 use magcomp_recordings::error::RecordingError;
 use magcomp_recordings::import::{ImportOptions, Opened, open};
 use magcomp_recordings::recording::{Extent, Row};
+use magcomp_replay::error::RunError;
+use magcomp_replay::{Ignore, Judge, Judgement, Player, usual_part};
 use serde::Serialize;
 use std::borrow::Borrow;
 use std::collections::BTreeMap;
@@ -78,7 +78,7 @@ pub struct Trials {
 
 impl Score {
     /// Plays a recording and judges it. Warnings about it come beside.
-    pub(super) fn of(path: &Path, groups: &Groups, ignore: Ignore) -> Result<(Self, Vec<String>), LabError> {
+    pub(super) fn of(path: &Path, groups: &Groups, ignore: Ignore) -> Result<(Self, Vec<String>), RunError> {
         let recording = name_of(path);
         let Rule { group, declination_deg, .. } = groups.find(&recording);
         let opened = open(&[path.to_owned()], &ImportOptions::default())?;
@@ -102,7 +102,7 @@ fn judged(
     Opened { mut source, .. }: Opened,
     declination_deg: f64,
     ignore: Ignore,
-) -> Result<(Judgement, Option<f64>), LabError> {
+) -> Result<(Judgement, Option<f64>), RunError> {
     let player = Player::new(&config(declination_deg), ignore)?;
     let extent = *source.extent();
     let mut bounding = Bounding::default();
@@ -122,7 +122,7 @@ pub(super) fn judge_rows<R: Borrow<Row>>(
     mut player: Player,
     extent: &Extent,
     rows: impl Iterator<Item = Result<R, RecordingError>>,
-) -> Result<Judgement, LabError> {
+) -> Result<Judgement, RunError> {
     let mut judge = Judge::new(extent, usual_part(extent), AXIS);
     for row in rows {
         let row = row?;

@@ -4,12 +4,12 @@ use super::figures::{absolute, published};
 use super::folder::{name_of, recordings};
 use super::groups::{Groups, INDEX, Rule};
 use super::score::{config, judge_rows};
-use crate::error::LabError;
-use crate::replay::{Ignore, Judgement, Player};
 use crate::score::is_explained;
 use magcomp::{Method, Tunings};
 use magcomp_recordings::import::{ImportOptions, open};
 use magcomp_recordings::recording::{Extent, Row};
+use magcomp_replay::error::RunError;
+use magcomp_replay::{Ignore, Judgement, Player};
 use std::path::{Path, PathBuf};
 
 /// The recordings of a folder that have a reference, and what its index says of them.
@@ -51,13 +51,13 @@ pub struct TrialScore {
 
 impl Folder {
     /// The recordings of `path`, with its own `INDEX.csv`; where it has none, `index` names groups and declinations.
-    pub fn open(path: &Path, index: Option<&Path>) -> Result<Self, LabError> {
+    pub fn open(path: &Path, index: Option<&Path>) -> Result<Self, RunError> {
         let index = index.filter(|_| !path.join(INDEX).is_file());
         Ok(Self { paths: recordings(path)?, groups: Groups::of(path, index)? })
     }
 
     /// Reads one of them.
-    pub fn read(&self, path: &Path) -> Result<Trial, LabError> {
+    pub fn read(&self, path: &Path) -> Result<Trial, RunError> {
         let name = name_of(path);
         let Rule { group, declination_deg, magnet_s, .. } = self.groups.find(&name);
         let mut source = open(&[path.to_owned()], &ImportOptions::default())?.source;
@@ -74,7 +74,7 @@ impl Trial {
         method: Method,
         ignore: Ignore,
         tunings: Tunings,
-    ) -> Result<Option<TrialScore>, LabError> {
+    ) -> Result<Option<TrialScore>, RunError> {
         let first_s = self.rows.first().map_or(0.0, |row| row.time_s);
         let rows = &self.rows[self.rows.partition_point(|row| row.time_s < first_s + begin_s)..];
         let mut extent = Extent::default();
@@ -106,7 +106,7 @@ impl Trial {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::replay::DeviceChange;
+    use magcomp_replay::DeviceChange;
 
     fn trial(name: &str) -> Trial {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/recordings");

@@ -2,10 +2,10 @@
 
 use super::figures::{FIGURES, Figure, Worse};
 use super::score::{GroupScore, Score, Summary, Trials};
-use crate::error::LabError;
-use crate::plot::{Colour, DotRow, Dots};
-use crate::report::Report;
-use crate::table::{Table, number};
+use magcomp_replay::error::RunError;
+use magcomp_replay::plot::{Colour, DotRow, Dots};
+use magcomp_replay::report::Report;
+use magcomp_replay::table::{Table, number};
 
 impl Trials {
     /// The table of the recordings, then that of the groups.
@@ -14,7 +14,7 @@ impl Trials {
     }
 
     /// Adds a picture and the tables to a report, the groups first.
-    pub fn add_to(&self, report: &mut Report) -> Result<(), LabError> {
+    pub fn add_to(&self, report: &mut Report) -> Result<(), RunError> {
         let row = |group: &GroupScore| {
             let own = self.recordings.iter().filter(|score| score.group == group.group);
             let values = own.filter_map(|score| score.figures["heading_rms_deg"]).collect();

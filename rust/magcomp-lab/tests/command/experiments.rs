@@ -65,13 +65,24 @@ fn simulate_is_reproducible_bit_for_bit() {
 fn json_parses_and_the_report_shows_its_pictures() {
     let folder = tempfile::tempdir().unwrap();
     let pages = folder.path().join("pages");
-    let (code, json, _) =
-        run(&["crb", "--runs", "5", "--samples", "100,200", "--snr", "35", "--json", "--report", text(&pages)]);
+    let (code, json, _) = run(&[
+        "paper",
+        "bound",
+        "--runs",
+        "5",
+        "--samples",
+        "100,200",
+        "--snr",
+        "35",
+        "--json",
+        "--report",
+        text(&pages),
+    ]);
     assert_eq!(code, 0);
     let value: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!(value["rows"].as_array().unwrap().len(), 2);
     let html = fs::read_to_string(pages.join("index.html")).unwrap();
-    assert!(html.contains("fig2_bound.svg") && html.contains("magcomp crb --runs 5"));
+    assert!(html.contains("fig2_bound.svg") && html.contains("magcomp paper bound --runs 5"));
     assert!(fs::read_to_string(pages.join("fig2_bound.svg")).unwrap().starts_with("<svg"));
 }
 

@@ -9,17 +9,15 @@ fn wrong_usage_is_exit_code_two_and_help_names_the_codes() {
     for arguments in [
         &["replay"][..],
         &["nonsense"],
-        &["crb", "--runs", "0"],
+        &["paper", "bound", "--runs", "0"],
         &["replay", "x", "--place", "1"],
         &["replay", "x", "--declination", "400"],
         &["simulate", "x", "--change", "repeated", "--at", "1e-9"],
-        &["step", "--rate", "50"],
-        &["step", "--motion", "tumble", "--set", "mid"],
-        &["step", "--motion", "tumble", "--n-min", "50"],
-        &["step", "--method", "adaptive", "--factor", "2"],
-        &["crb", "--p", "0"],
-        &["step", "--method", "adaptive", "--spikes", "2"],
-        &["step", "--method", "adaptive", "--motion", "tumble", "--scenario", "ramp"],
+        &["paper", "bound", "--p", "0"],
+        &["paper", "step", "--rate", "50"],
+        &["paper", "phone", "--set", "mid"],
+        &["paper", "phone", "--motion", "stroll"],
+        &["replay", "x", "--seed", "1"],
         &[],
     ] {
         assert_eq!(run(arguments).0, 2, "{arguments:?}");
@@ -48,7 +46,7 @@ fn the_help_of_replay_says_what_a_recording_is() {
 fn the_papers_numbers_can_be_chosen() {
     let window = |options: &[&str]| {
         let (code, json, error) =
-            run(&[&["step", "--runs", "1", "--normalisation", "half-range", "--json"], options].concat());
+            run(&[&["paper", "step", "--runs", "1", "--normalisation", "half-range", "--json"], options].concat());
         assert_eq!((code, error.as_str()), (0, ""));
         let value: serde_json::Value = serde_json::from_str(&json).unwrap();
         assert_eq!(value["normalisations"].as_array().unwrap().len(), 1);
@@ -76,7 +74,7 @@ fn the_papers_numbers_can_be_chosen() {
 fn own_parameters_take_the_place_of_the_sets() {
     let steady = |options: &[&str]| {
         let (code, json, error) =
-            run(&[&["step", "--runs", "1", "--normalisation", "half-range", "--json"], options].concat());
+            run(&[&["paper", "step", "--runs", "1", "--normalisation", "half-range", "--json"], options].concat());
         assert_eq!((code, error.as_str()), (0, ""));
         serde_json::from_str::<serde_json::Value>(&json).unwrap()
     };
@@ -104,18 +102,16 @@ fn own_parameters_take_the_place_of_the_sets() {
         (scaled[0] / even[0] - 1.3).abs() < 0.02 && (scaled[1] / even[1] - 1.0).abs() < 0.02,
         "{even:?} {scaled:?}"
     );
-    // three axes in one plane measure no field; own parameters belong to figs. 4 and 5
-    let (code, _, error) = run(&["crb", "--axes", "1,0,0,0,1,0,1,1,0"]);
+    // three axes in one plane measure no field
+    let (code, _, error) = run(&["paper", "bound", "--axes", "1,0,0,0,1,0,1,1,0"]);
     assert!(code == 2 && error.contains("the true parameters: "), "{error}");
-    let (code, _, error) = run(&["step", "--motion", "tumble", "--offset", "0,0,1"]);
-    assert!(code == 2 && error.starts_with("magcomp: --offset: no such choice"), "{error}");
 }
 
 #[test]
 fn lists_have_commas_or_blanks_and_a_number_may_be_negative() {
     for samples in [&["100,200"][..], &["100", "200"]] {
         let (code, json, error) =
-            run(&[&["crb", "--runs", "2", "--snr", "35", "--json", "--samples"], samples].concat());
+            run(&[&["paper", "bound", "--runs", "2", "--snr", "35", "--json", "--samples"], samples].concat());
         let value: serde_json::Value = serde_json::from_str(&json).unwrap();
         assert_eq!((code, value["rows"].as_array().unwrap().len()), (0, 2), "{error}");
     }

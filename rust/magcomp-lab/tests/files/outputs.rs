@@ -20,6 +20,22 @@ pub(crate) fn content(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     found
 }
 
+/// Ways to name a place in F, which is read.
+const INSIDE: [&str; 12] = [
+    "F/TotalAcceleration.csv",
+    "F/new.csv",
+    "F/deep/new.csv",
+    "F",
+    "link/new.csv",
+    "link/TotalAcceleration.csv",
+    "file_link.csv",
+    "other/../F/new.csv",
+    "into/../new.csv",
+    "into/new.csv",
+    "./F/./new.csv",
+    "F/none/new.csv",
+];
+
 #[test]
 fn no_output_goes_into_the_session_or_onto_another_output() {
     let place = tempfile::tempdir().unwrap();
@@ -35,27 +51,13 @@ fn no_output_goes_into_the_session_or_onto_another_output() {
     symlink("F", path("other/up")).unwrap();
     symlink(path("F/deep"), path("into")).unwrap();
     let before = content(place.path());
-    let inside = [
-        "F/TotalAcceleration.csv",
-        "F/new.csv",
-        "F/deep/new.csv",
-        "F",
-        "link/new.csv",
-        "link/TotalAcceleration.csv",
-        "file_link.csv",
-        "other/../F/new.csv",
-        "into/../new.csv",
-        "into/new.csv",
-        "./F/./new.csv",
-        "F/none/new.csv",
-    ];
     let refuse = |arguments: &[&str], why: &str| {
         let (code, out, error) = run_in(place.path(), arguments);
         assert!(code == Some(2) && out.is_empty() && error.lines().count() == 1, "{arguments:?}: {code:?} {error}");
         assert!(error.contains(why), "{arguments:?}: {error}");
         assert_eq!(content(place.path()), before, "{arguments:?}");
     };
-    for output in inside {
+    for output in INSIDE {
         for input in ["F", "link", "other/../F"] {
             refuse(&["import", input, "-o", output], "in the input");
             refuse(&["replay", input, "--output", output], "in the input");

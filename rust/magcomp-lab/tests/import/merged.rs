@@ -1,11 +1,12 @@
 //! Sensors of several rates as one recording, and its replay.
 
 use crate::{HEADER, folder, run};
+use magcomp::nalgebra::Vector3;
 use magcomp::{Calibration, Compensator, Config};
 use magcomp_lab::catalogue::{Variant, find};
-use magcomp_lab::replay::{Ignore, replay};
 use magcomp_lab::simulate::{Simulation, world_field_ut};
 use magcomp_recordings::recording;
+use magcomp_replay::{Ignore, replay};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
@@ -79,43 +80,29 @@ fn three_sensors_at_three_rates_are_the_events_pushed_by_hand() {
     assert!(by_hand.iter().filter(|reading| reading.heading.is_some()).count() > 1000);
 }
 
+/// As a recording with the field of a system that is right but for a constant of 5 uT, and that field's sizes after 15 s, uT.
+fn with_a_systems_field(session: &Simulation) -> (String, Vec<f64>) {
+    let mut text = "t_s,mx,my,mz,gx,gy,gz,sys_mx,sys_my,sys_mz\n".to_owned();
+    let mut sizes = Vec::new();
+    for (sample, truth) in session.magnetic.iter().zip(&session.truth) {
+        let system = truth.attitude.inverse() * world_field_ut(50.0, 60.0) + Vector3::new(5.0, 0.0, 0.0);
+        if sample.time_ns > 15_000_000_000 {
+            sizes.push(system.norm());
+        }
+        let later = session.rotation_rates.iter().find(|event| event.time_ns >= sample.time_ns);
+        let rate = later.unwrap_or(session.rotation_rates.last().unwrap()).rate_rad_s;
+        let cells = [sample.field_ut, rate, system].map(|v| format!("{},{},{}", v.x, v.y, v.z));
+        writeln!(text, "{},{}", sample.time_ns as f64 / 1e9, cells.join(",")).unwrap();
+    }
+    (text, sizes)
+}
+
 #[test]
 fn the_systems_field_is_judged_beside_ours_and_the_calibration_is_read_again() {
     let session = three_rates();
     let folder = tempfile::tempdir().unwrap();
     let input = folder.path().join("r.csv");
-    let mut text = "t_s,mx,my,mz,gx,gy,gz,sys_mx,sys_my,sys_mz\n".to_owned();
-    let mut sizes = Vec::new();
-    for (sample, truth) in session.magnetic.iter().zip(&session.truth) {
-        // a system that is right but for a constant of 5 uT
-        let system =
-            truth.attitude.inverse() * world_field_ut(50.0, 60.0) + magcomp::nalgebra::Vector3::new(5.0, 0.0, 0.0);
-        if sample.time_ns > 15_000_000_000 {
-            sizes.push(system.norm());
-        }
-        let m = sample.field_ut;
-        let rate = session
-            .rotation_rates
-            .iter()
-            .find(|event| event.time_ns >= sample.time_ns)
-            .unwrap_or(session.rotation_rates.last().unwrap());
-        let (g, s) = (rate.rate_rad_s, system);
-        writeln!(
-            text,
-            "{},{},{},{},{},{},{},{},{},{}",
-            sample.time_ns as f64 / 1e9,
-            m.x,
-            m.y,
-            m.z,
-            g.x,
-            g.y,
-            g.z,
-            s.x,
-            s.y,
-            s.z
-        )
-        .unwrap();
-    }
+    let (text, sizes) = with_a_systems_field(&session);
     fs::write(&input, text).unwrap();
     let (json, pages) = (folder.path().join("c.json"), folder.path().join("pages"));
     let paths = [&input, &json, &pages].map(|path| path.to_str().unwrap());
