@@ -1,11 +1,9 @@
 //! The config as it crosses the border: every field may be left out, and then is the core's default.
 
-mod choices;
 // made, for people to read and not to edit
 #[rustfmt::skip]
 mod records;
 
-pub use choices::{Method, Normalisation, Residual};
 pub use records::{Config, FitOptions, HeadingConfig, WindowedConfig};
 
 /// The library's defaults, every field given.

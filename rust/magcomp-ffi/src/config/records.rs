@@ -4,12 +4,21 @@
 // one way to write a member, whichever struct of the core's it is in
 #![allow(clippy::derivable_impls, clippy::field_reassign_with_default)]
 
-use super::choices::{Method, Normalisation, Residual, size};
+use crate::choices::{Method, ReferenceAxis, ScreenRotation, Residual, Normalisation};
 use crate::convert::count;
 use crate::error::MagcompError;
-use crate::record::{Calibration, ReferenceAxis, ScreenRotation};
+use crate::record::Calibration;
 
-/// All settings of a compensator. A setting left out has the library's default; `default_config()` shows them all.
+/// A count of the core's; `field` is where it stands in the config.
+fn size(field: &str, n: i32) -> Result<usize, MagcompError> {
+    usize::try_from(n).map_err(|_| MagcompError::Config {
+        field: field.to_owned(),
+        value: n.to_string(),
+        expected: "0 or above".to_owned(),
+    })
+}
+
+/// All settings of a compensator. A setting left out has its default.
 #[derive(Clone, Debug, PartialEq, uniffi::Record)]
 pub struct Config {
     /// How the hard and soft iron are estimated. Default `Auto`.
@@ -97,7 +106,7 @@ pub struct HeadingConfig {
     /// The axis whose heading it is. Default `Auto`.
     #[uniffi(default = None)]
     pub axis: Option<ReferenceAxis>,
-    /// How the screen's content is turned. Default not at all.
+    /// How the screen's content is turned against the device. Default `Deg0`, not at all.
     #[uniffi(default = None)]
     pub screen_rotation: Option<ScreenRotation>,
     /// Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. Default none.
@@ -145,13 +154,13 @@ impl TryFrom<HeadingConfig> for magcomp::HeadingConfig {
     }
 }
 
-/// The paper's method. A field left out is the default.
+/// The paper's method (section IV, fig. 3). A field left out is the default.
 #[derive(Clone, Debug, PartialEq, uniffi::Record)]
 pub struct WindowedConfig {
-    /// N_min, samples, 9 to N_max: the shortest window. Default 100.
+    /// N_min, samples, 9 to N_max: the shortest window, and what sigma_T looks at. Default 100; smaller follows changes sooner with more noise.
     #[uniffi(default = None)]
     pub n_min: Option<i32>,
-    /// N_max, samples, at most 100 000: the longest window. Default 2000.
+    /// N_max, samples, at most 100 000: the longest window. Default 2000; larger is steadier under poor motion and slower to forget.
     #[uniffi(default = None)]
     pub n_max: Option<i32>,
     /// sigma_th, dimensionless, 0 to 10: below it nothing is updated. Default 0.1.
