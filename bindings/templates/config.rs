@@ -2,7 +2,7 @@
 //! The settings' records and their conversions: what was left out becomes the core's default.
 
 // one way to write a member, whichever struct of the core's it is in
-#![allow(clippy::derivable_impls, clippy::field_reassign_with_default)]
+#![allow(clippy::field_reassign_with_default)]
 
 use crate::choices::{ {%- for one in choices %}{{ one.name }}{{ ", " if not loop.last }}{% endfor %}};
 use crate::convert::count;
@@ -29,7 +29,7 @@ fn size(field: &str, n: i32) -> Result<usize, MagcompError> {
 {%- endmacro %}
 {% for group in settings %}
 /// {{ group.meaning }}
-#[derive(Clone, Debug, PartialEq, uniffi::Record)]
+#[derive(Clone, Debug, Default, PartialEq, uniffi::Record)]
 pub struct {{ group.name }} {
 {% for field in group.fields %}
     /// {{ field.meaning }}
@@ -45,20 +45,6 @@ impl From<magcomp::{{ group.name }}> for {{ group.name }} {
 {% for field in group.fields %}
             {{ from_core(field) }},
 {% endfor %}
-        }
-    }
-}
-
-impl Default for {{ group.name }} {
-    fn default() -> Self {
-        Self {
-{% for field in group.fields if field.is_group %}
-            {{ field.name }}: Some({{ field.kind }}::default()),
-{% endfor %}
-{% for field in group.fields if field.phone and field.core %}
-            {{ field.name }}: Some({{ field.phone }}),
-{% endfor %}
-            ..magcomp::{{ group.name }}::default().into()
         }
     }
 }

@@ -2,7 +2,7 @@
 //! The settings' records and their conversions: what was left out becomes the core's default.
 
 // one way to write a member, whichever struct of the core's it is in
-#![allow(clippy::derivable_impls, clippy::field_reassign_with_default)]
+#![allow(clippy::field_reassign_with_default)]
 
 use crate::choices::{Method, ReferenceAxis, ScreenRotation, Residual, Normalisation};
 use crate::convert::count;
@@ -19,7 +19,7 @@ fn size(field: &str, n: i32) -> Result<usize, MagcompError> {
 }
 
 /// All settings of a compensator. A setting left out has its default.
-#[derive(Clone, Debug, PartialEq, uniffi::Record)]
+#[derive(Clone, Debug, Default, PartialEq, uniffi::Record)]
 pub struct Config {
     /// How the hard and soft iron are estimated. Default `Auto`.
     #[uniffi(default = None)]
@@ -67,16 +67,6 @@ impl From<magcomp::Config> for Config {
     }
 }
 
-impl Default for Config {
-    fn default() -> Self {
-        Self {
-            heading: Some(HeadingConfig::default()),
-            windowed: Some(WindowedConfig::default()),
-            ..magcomp::Config::default().into()
-        }
-    }
-}
-
 impl TryFrom<Config> for magcomp::Config {
     type Error = MagcompError;
     fn try_from(it: Config) -> Result<Self, MagcompError> {
@@ -101,7 +91,7 @@ impl TryFrom<Config> for magcomp::Config {
 }
 
 /// How headings are reported. A field left out is the default.
-#[derive(Clone, Debug, PartialEq, uniffi::Record)]
+#[derive(Clone, Debug, Default, PartialEq, uniffi::Record)]
 pub struct HeadingConfig {
     /// The axis whose heading it is. Default `Auto`.
     #[uniffi(default = None)]
@@ -129,15 +119,6 @@ impl From<magcomp::HeadingConfig> for HeadingConfig {
     }
 }
 
-impl Default for HeadingConfig {
-    fn default() -> Self {
-        Self {
-            axis: Some(ReferenceAxis::Auto),
-            ..magcomp::HeadingConfig::default().into()
-        }
-    }
-}
-
 impl TryFrom<HeadingConfig> for magcomp::HeadingConfig {
     type Error = MagcompError;
     fn try_from(it: HeadingConfig) -> Result<Self, MagcompError> {
@@ -155,7 +136,7 @@ impl TryFrom<HeadingConfig> for magcomp::HeadingConfig {
 }
 
 /// The paper's method (section IV, fig. 3). A field left out is the default.
-#[derive(Clone, Debug, PartialEq, uniffi::Record)]
+#[derive(Clone, Debug, Default, PartialEq, uniffi::Record)]
 pub struct WindowedConfig {
     /// N_min, samples, 9 to N_max: the shortest window, and what sigma_T looks at. Default 100; smaller follows changes sooner with more noise.
     #[uniffi(default = None)]
@@ -191,14 +172,6 @@ impl From<magcomp::WindowedConfig> for WindowedConfig {
     }
 }
 
-impl Default for WindowedConfig {
-    fn default() -> Self {
-        Self {
-            ..magcomp::WindowedConfig::default().into()
-        }
-    }
-}
-
 impl TryFrom<WindowedConfig> for magcomp::WindowedConfig {
     type Error = MagcompError;
     fn try_from(it: WindowedConfig) -> Result<Self, MagcompError> {
@@ -226,7 +199,7 @@ impl TryFrom<WindowedConfig> for magcomp::WindowedConfig {
 }
 
 /// What a fit accepts and how it iterates. A field left out is the default.
-#[derive(Clone, Debug, PartialEq, uniffi::Record)]
+#[derive(Clone, Debug, Default, PartialEq, uniffi::Record)]
 pub struct FitOptions {
     /// The residual that a fit squares and sums. Default `Corrected`.
     #[uniffi(default = None)]
@@ -270,14 +243,6 @@ impl From<magcomp::FitOptions> for FitOptions {
             max_residual_share: Some(max_residual_share),
             max_iterations: Some(count(max_iterations)),
             tolerance: Some(tolerance),
-        }
-    }
-}
-
-impl Default for FitOptions {
-    fn default() -> Self {
-        Self {
-            ..magcomp::FitOptions::default().into()
         }
     }
 }
