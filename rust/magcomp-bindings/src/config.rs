@@ -19,6 +19,7 @@ struct Group {
 #[serde(deny_unknown_fields)]
 struct Field {
     name: String,
+    #[serde(default = "real")]
     kind: String,
     meaning: String,
     why: Option<String>,
@@ -32,6 +33,10 @@ struct Field {
     core: Option<String>,
     c: Option<usize>,
     c_name: Option<String>,
+}
+
+fn real() -> String {
+    "real".to_owned()
 }
 
 /// A group of settings.
@@ -168,11 +173,10 @@ impl Field {
             return Err("the core's struct is made, so it needs a default, and a number a range".to_owned());
         }
         let below = self.range.get(1).and_then(Value::as_str).map(ToOwned::to_owned);
-        let unit = self.unit.clone().unwrap_or_default();
-        let words = match unit.as_str() {
-            "uT" => "microtesla",
-            "deg" => "degrees",
-            other => other,
+        let (unit, words) = match self.name.rsplit('_').next() {
+            Some("ut") => ("uT", "microtesla"),
+            Some("deg") => ("deg", "degrees"),
+            _ => [self.unit.as_deref().unwrap_or_default(); 2].into(),
         };
         let usual = match &self.default {
             _ if self.none => "none".to_owned(),
@@ -208,7 +212,7 @@ impl Field {
             least: self.range.first().map(as_rust),
             most: self.range.get(1).filter(|_| below.is_none()).map(as_rust),
             below,
-            unit: if self.none { format!("{unit}, or none") } else { unit },
+            unit: format!("{unit}{}", if self.none { ", or none" } else { "" }),
             place: if group.place.is_empty() { self.name.clone() } else { format!("{}.{}", group.place, self.name) },
             c: self.c,
             c_name: self.c_name.clone().unwrap_or_else(|| self.name.clone()),
