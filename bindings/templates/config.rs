@@ -28,7 +28,7 @@ fn size(field: &str, n: i32) -> Result<usize, MagcompError> {
 {% if field.none and field.kind == "real" and field.core == field.name %}{{ field.name }}{% else %}{{ field.name }}: {{ as_some(field) }}{% endif %}
 {%- endmacro %}
 {% for group in settings %}
-/// {{ group.meaning }}
+/// {{ group.meaning }}{{ " `default_config()` shows them all." if group.name == "Config" }}
 #[derive(Clone, Debug, Default, PartialEq, uniffi::Record)]
 pub struct {{ group.name }} {
 {% for field in group.fields %}

@@ -18,7 +18,7 @@ fn size(field: &str, n: i32) -> Result<usize, MagcompError> {
     })
 }
 
-/// All settings of a compensator. A setting left out has its default.
+/// All settings of a compensator. A setting left out has its default. `default_config()` shows them all.
 #[derive(Clone, Debug, Default, PartialEq, uniffi::Record)]
 pub struct Config {
     /// How the hard and soft iron are estimated. Default `Auto`.
