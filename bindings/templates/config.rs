@@ -18,9 +18,6 @@ fn size(field: &str, n: i32) -> Result<usize, MagcompError> {
     })
 }
 
-{% macro rust_type(field) %}
-{{ "f64" if field.kind == "real" else "i32" if field.kind == "count" else "bool" if field.kind == "flag" else field.kind }}
-{%- endmacro %}
 {% macro as_some(field) %}
 {% if not field.core %}Some({{ field.phone }}){% elif field.none %}{{ field.core }}{{ ".map(Into::into)" if field.kind != "real" }}{% elif field.kind == "real" %}Some({{ field.core }}){% elif field.kind == "count" %}Some(count({{ field.core }})){% else %}Some({{ field.core }}.into()){% endif %}
 {%- endmacro %}
@@ -34,7 +31,7 @@ pub struct {{ group.name }} {
 {% for field in group.fields %}
     /// {{ field.meaning }}
     #[uniffi(default = None)]
-    pub {{ field.name }}: Option<{{ rust_type(field) }}>,
+    pub {{ field.name }}: Option<{{ field.border }}>,
 {% endfor %}
 }
 

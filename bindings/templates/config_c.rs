@@ -20,7 +20,7 @@ pub enum {{ one.c }} {
 ///
 {% for group in settings if group.is_made %}
 {% for field in group.fields if field.core and not field.is_group and (not field.c or field.kind in by_name) %}
-/// - {{ field.place }}: {{ field.document if not field.c }}{{ ' {"soft_iron": [9 numbers], "hard_iron_ut": [3 numbers], "field_strength_ut": |h|}' if field.kind == "Calibration" }}{% if field.kind in by_name %}{{ " " if not field.c }}One of {% for case in by_name[field.kind].cases %}"{{ case.name }}"{{ ", " if not loop.last }}{% endfor %}.{% endif %}
+/// - {{ field.place }}: {{ field.document if not field.c }}{{ ' {"soft_iron": [9 numbers], "hard_iron_ut": [3 numbers], "field_strength_ut": |h|}' if field.kind == "Calibration" }}{% if field.kind in by_name %}{{ " " if not field.c }}One of "{{ by_name[field.kind].cases|map(attribute="name")|join('", "') }}".{% endif %}
 
 {% endfor %}
 {% endfor %}
@@ -30,8 +30,8 @@ pub struct Config {
     /// sizeof(magcomp_config).
     pub size: usize,
 {% for field in members %}
-    /// {% if field.kind in by_name and by_name[field.kind].c %}A magcomp_{{ by_name[field.kind].c|lower }}. {% endif %}{{ field.c_meaning }}{% if field.kind in by_name and not by_name[field.kind].c %} One of {% for case in by_name[field.kind].cases %}{{ case.c }}{{ ", " if not loop.last }}{% endfor %}.{% endif %}
-
+{% set one = by_name[field.kind] if field.kind in by_name else false %}
+    /// {{ "A magcomp_" ~ one.c|lower ~ ". " if one and one.c }}{{ field.c_meaning }}{{ " One of " ~ one.cases|map(attribute="c")|join(", ") ~ "." if one and not one.c }}
     pub {{ field.c_name }}: {{ "f64" if field.kind == "real" else "i32" }},
 {% endfor %}
 }
@@ -42,7 +42,7 @@ impl Default for Config {
         Self {
             size: size_of::<Self>(),
 {% for field in members %}
-            {{ field.c_name }}: {% if field.kind in by_name %}{% set one = by_name[field.kind] %}{% if one.c %}{{ one.c }}::{{ one.default }} as i32{% else %}{% for case in one.cases if case.name == one.default %}{{ case.c }}{% endfor %}{% endif %}{% else %}it.{{ field.place }}{{ ".unwrap_or(f64::NAN)" if field.none }}{% endif %},
+            {{ field.c_name }}: {{ field.c_value or "it." ~ field.place ~ (".unwrap_or(f64::NAN)" if field.none else "") }},
 {% endfor %}
         }
     }

@@ -30,7 +30,7 @@ pub enum {{ one.name }} {
 pub struct {{ group.name }} {
 {% for field in group.fields if field.core %}
     /// {{ field.document }}{{ " Why: " ~ field.why ~ "." if field.why }}
-    pub {{ field.name }}: {% set type = "f64" if field.kind == "real" else "usize" if field.kind == "count" else "bool" if field.kind == "flag" else field.kind %}{{ "Option<" ~ type ~ ">" if field.none else type }},
+    pub {{ field.name }}: {{ "Option<" ~ field.rust ~ ">" if field.none else field.rust }},
 {% endfor %}
 }
 

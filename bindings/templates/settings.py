@@ -28,7 +28,7 @@ class {{ group.name|replace("Config", "Settings") }}(typing.TypedDict, total=Fal
     """{{ group.meaning }}{{ " `Compensator().config` tells the defaults." if group.name == "Config" }}"""
 {% for field in group.fields if field.core %}
 
-    {{ field.name }}: {{ "float" if field.kind == "real" else "int" if field.kind == "count" else "bool" if field.kind == "flag" else "InitialCalibration" if field.kind == "Calibration" else field.kind|replace("Config", "Settings") }}{{ " | None" if field.none }}
+    {{ field.name }}: {{ field.python }}{{ " | None" if field.none }}
     """{{ field.document }}"""
 {% endfor %}
 {% endfor %}

@@ -58,7 +58,13 @@ pub struct FieldView {
     name: String,
     camel: String,
     kind: String,
+    /// Its type in the core, at the border, in Kotlin and in Python.
+    rust: String,
+    border: String,
     kotlin: String,
+    python: String,
+    /// Of an enum: C's default.
+    c_value: Option<String>,
     /// With the default on phones; with the core's; with C's.
     meaning: String,
     document: String,
@@ -154,11 +160,13 @@ impl Field {
         renamed: &dyn Fn(&str) -> String,
     ) -> Result<FieldView, String> {
         let choice = choices.iter().find(|one| one.name == self.kind);
-        let kotlin = match self.kind.as_str() {
-            "real" => "Double".to_owned(),
-            "count" => "Int".to_owned(),
-            "flag" => "Boolean".to_owned(),
-            kind if is_group || choice.is_some() || kind == "Calibration" => renamed(kind),
+        let kind = self.kind.as_str();
+        let [kotlin, rust, python] = match kind {
+            "real" => ["Double", "f64", "float"].map(ToOwned::to_owned),
+            "count" => ["Int", "usize", "int"].map(ToOwned::to_owned),
+            "flag" => ["Boolean", "bool", "bool"].map(ToOwned::to_owned),
+            "Calibration" => [renamed(kind), kind.to_owned(), format!("Initial{kind}")],
+            _ if is_group || choice.is_some() => [renamed(kind), kind.to_owned(), kind.replace("Config", "Settings")],
             _ => return Err("its kind is not real, count, flag, Calibration, or in the table".to_owned()),
         };
         let chosen = choice.and_then(|one| one.default.clone());
@@ -169,7 +177,7 @@ impl Field {
             (None, None) => is_group.then(|| format!("{}::default()", self.kind)),
         };
         let is_made = group.core.unwrap_or(true) && self.core.as_deref() != Some("");
-        if is_made && (default.is_none() || ["real", "count"].contains(&self.kind.as_str()) && self.range.len() != 2) {
+        if is_made && (default.is_none() || ["real", "count"].contains(&kind) && self.range.len() != 2) {
             return Err("the core's struct is made, so it needs a default, and a number a range".to_owned());
         }
         let below = self.range.get(1).and_then(Value::as_str).map(ToOwned::to_owned);
@@ -188,18 +196,24 @@ impl Field {
             self.meaning.replace("{unit}", words).replace("{range}", &range).replace("{default}", default)
         };
         let on_phones = self.phone.as_ref().and_then(|it| it.split_once("::")).map(|(_, case)| format!("`{case}`"));
-        let c_default = match choice.zip(chosen.as_ref()) {
-            Some((one, name)) => one.cases.iter().find(|case| case.name == *name).map(|case| match (&one.c, case.c) {
-                (Some(c), _) => format!("MAGCOMP_{}_{}", c.to_uppercase(), snake(name).to_uppercase()),
-                (None, code) => code.unwrap_or_default().to_string(),
-            }),
-            None => self.none.then(|| "NaN".to_owned()),
+        let chosen_c = choice.and_then(|one| one.cases.iter().find(|case| Some(&case.name) == chosen.as_ref()));
+        let (c_default, c_value) = match chosen_c.zip(choice) {
+            Some((case, Enum { c: Some(c), .. })) => (
+                Some(format!("MAGCOMP_{}_{}", c.to_uppercase(), snake(&case.name).to_uppercase())),
+                Some(format!("{c}::{} as i32", case.name)),
+            ),
+            Some((case, _)) => [case.c.map(|code| code.to_string()), case.c.map(|code| code.to_string())].into(),
+            None => (self.none.then(|| "NaN".to_owned()), None),
         };
         let document = told(&usual);
         Ok(FieldView {
             name: self.name.clone(),
             camel: camel(&self.name),
+            border: if kind == "count" { "i32".to_owned() } else { rust.clone() },
+            rust,
             kotlin,
+            python,
+            c_value,
             meaning: on_phones.map_or_else(|| document.clone(), |default| told(&default)),
             c_meaning: c_default.map_or_else(|| document.clone(), |default| told(&default)),
             document,
