@@ -1514,7 +1514,7 @@ fileprivate func FfiConverterTypeCompassHeading_lower(_ value: CompassHeading) -
 
 
 /**
- * All settings of a compensator. A setting left out has the library's default; `defaultConfig()` shows them all.
+ * All settings of a compensator. A setting left out has its default. `defaultConfig()` shows them all.
  */
 public struct CompensationConfig: Equatable, Hashable, Codable {
     /**
@@ -2416,7 +2416,7 @@ public struct HeadingConfig: Equatable, Hashable, Codable {
      */
     public var axis: ReferenceAxis?
     /**
-     * How the screen's content is turned. Default not at all.
+     * How the screen's content is turned against the device. Default `Deg0`, not at all.
      */
     public var screenRotation: ScreenRotation?
     /**
@@ -2435,7 +2435,7 @@ public struct HeadingConfig: Equatable, Hashable, Codable {
          * The axis whose heading it is. Default `Auto`.
          */axis: ReferenceAxis? = nil,
         /**
-         * How the screen's content is turned. Default not at all.
+         * How the screen's content is turned against the device. Default `Deg0`, not at all.
          */screenRotation: ScreenRotation? = nil,
         /**
          * Declination, degrees, east positive, -180 to 180: gives `trueHeadingDeg`. Default none.
@@ -3305,15 +3305,15 @@ fileprivate func FfiConverterTypeUpSample_lower(_ value: UpSample) -> RustBuffer
 
 
 /**
- * The paper's method. A field left out is the default.
+ * The paper's method (section IV, fig. 3). A field left out is the default.
  */
 public struct WindowedConfig: Equatable, Hashable, Codable {
     /**
-     * N_min, samples, 9 to N_max: the shortest window. Default 100.
+     * N_min, samples, 9 to N_max: the shortest window, and what sigma_T looks at. Default 100; smaller follows changes sooner with more noise.
      */
     public var nMin: Int32?
     /**
-     * N_max, samples, at most 100 000: the longest window. Default 2000.
+     * N_max, samples, at most 100 000: the longest window. Default 2000; larger is steadier under poor motion and slower to forget.
      */
     public var nMax: Int32?
     /**
@@ -3337,10 +3337,10 @@ public struct WindowedConfig: Equatable, Hashable, Codable {
     // declare one manually.
     public init(
         /**
-         * N_min, samples, 9 to N_max: the shortest window. Default 100.
+         * N_min, samples, 9 to N_max: the shortest window, and what sigma_T looks at. Default 100; smaller follows changes sooner with more noise.
          */nMin: Int32? = nil,
         /**
-         * N_max, samples, at most 100 000: the longest window. Default 2000.
+         * N_max, samples, at most 100 000: the longest window. Default 2000; larger is steadier under poor motion and slower to forget.
          */nMax: Int32? = nil,
         /**
          * sigma_th, dimensionless, 0 to 10: below it nothing is updated. Default 0.1.
@@ -3531,7 +3531,7 @@ fileprivate func FfiConverterTypeCollectingReason_lower(_ value: CollectingReaso
 public enum CompensationMethod: Equatable, Hashable, Codable {
 
     /**
-     * Uses gyroscope and gravity beside the magnetometer; works as `Adaptive` while there is no usable gyroscope.
+     * Gyroscope and gravity beside the magnetometer; works as `Adaptive` while there is no usable gyroscope.
      */
     case auto
     /**
@@ -3539,11 +3539,11 @@ public enum CompensationMethod: Equatable, Hashable, Codable {
      */
     case aided
     /**
-     * Uses the magnetometer alone; notices changes and relearns them as fast as the samples allow.
+     * The magnetometer alone: notices changes, and relearns them as fast as the samples allow.
      */
     case adaptive
     /**
-     * The paper's method: an ellipsoid fit over the latest samples, whose number follows sigma_T.
+     * The paper's: an ellipsoid fit over the latest samples, whose number follows sigma_T.
      */
     case windowed
     /**
@@ -3898,7 +3898,7 @@ public enum EventRejection: Equatable, Hashable, Codable {
      */
     case outOfRange
     /**
-     * At or before a magnetometer sample already answered.
+     * At or before a magnetometer sample already answered. Of a heading: more than 5 s old, or not after the latest one that was used.
      */
     case late
     /**
@@ -4275,7 +4275,7 @@ fileprivate func FfiConverterTypeFitProblem_lower(_ value: FitProblem) -> RustBu
 public enum FitResidual: Equatable, Hashable, Codable {
 
     /**
-     * Eq. (10) of the paper as written.
+     * Eq. (10) of the paper as written. Biased in scale by about 3 nu^2 (nu: noise over field strength), and in everything when the sphere is only partly covered.
      */
     case algebraic
     /**
@@ -5249,11 +5249,11 @@ fileprivate func FfiConverterTypeNorthReference_lower(_ value: NorthReference) -
 public enum ReferenceAxis: Equatable, Hashable, Codable {
 
     /**
-     * Top edge of the screen.
+     * Top edge of the screen, +y.
      */
     case topEdge
     /**
-     * Back camera.
+     * Back camera, -z.
      */
     case camera
     /**
@@ -5719,17 +5719,17 @@ fileprivate func FfiConverterTypeSensorMode_lower(_ value: SensorMode) -> RustBu
 
 
 /**
- * How the standard deviations in sigma_T are normalised.
+ * How the standard deviations in sigma_T, eq. (15), are normalised.
  */
 
 public enum SigmaNormalisation: Equatable, Hashable, Codable {
 
     /**
-     * By half the range of each axis.
+     * By half the range of each axis, 180 and 90 degrees: even orientations give 0.723, and so N = 626 of 100 to 2000.
      */
     case halfRange
     /**
-     * By the standard deviation of evenly spread directions.
+     * By sqrt(2) times the standard deviation of evenly spread directions, which so give 1.
      */
     case evenSphere
 

@@ -2,30 +2,36 @@
 //! The settings' records and their conversions: what was left out becomes the core's default.
 
 // one way to write a member, whichever struct of the core's it is in
-#![allow(clippy::derivable_impls, clippy::field_reassign_with_default)]
+#![allow(clippy::field_reassign_with_default)]
 
-use super::choices::{Method, Normalisation, Residual, size};
+use crate::choices::{ {%- for one in choices %}{{ one.name }}{{ ", " if not loop.last }}{% endfor %}};
 use crate::convert::count;
 use crate::error::MagcompError;
-use crate::record::{Calibration, ReferenceAxis, ScreenRotation};
+use crate::record::Calibration;
 
-{% macro rust_type(field) %}
-{{ "f64" if field.kind == "real" else "i32" if field.kind == "count" else "bool" if field.kind == "flag" else field.kind }}
-{%- endmacro %}
+/// A count of the core's; `field` is where it stands in the config.
+fn size(field: &str, n: i32) -> Result<usize, MagcompError> {
+    usize::try_from(n).map_err(|_| MagcompError::Config {
+        field: field.to_owned(),
+        value: n.to_string(),
+        expected: "0 or above".to_owned(),
+    })
+}
+
 {% macro as_some(field) %}
-{% if not field.core %}Some({{ field.default }}){% elif field.none %}{{ field.core }}{{ ".map(Into::into)" if field.kind != "real" }}{% elif field.kind == "real" %}Some({{ field.core }}){% elif field.kind == "count" %}Some(count({{ field.core }})){% else %}Some({{ field.core }}.into()){% endif %}
+{% if not field.core %}Some({{ field.phone }}){% elif field.none %}{{ field.core }}{{ ".map(Into::into)" if field.kind != "real" }}{% elif field.kind == "real" %}Some({{ field.core }}){% elif field.kind == "count" %}Some(count({{ field.core }})){% else %}Some({{ field.core }}.into()){% endif %}
 {%- endmacro %}
 {% macro from_core(field) %}
 {% if field.none and field.kind == "real" and field.core == field.name %}{{ field.name }}{% else %}{{ field.name }}: {{ as_some(field) }}{% endif %}
 {%- endmacro %}
 {% for group in settings %}
-/// {{ group.meaning }}
-#[derive(Clone, Debug, PartialEq, uniffi::Record)]
+/// {{ group.meaning }}{{ " `default_config()` shows them all." if group.name == "Config" }}
+#[derive(Clone, Debug, Default, PartialEq, uniffi::Record)]
 pub struct {{ group.name }} {
 {% for field in group.fields %}
     /// {{ field.meaning }}
     #[uniffi(default = None)]
-    pub {{ field.name }}: Option<{{ rust_type(field) }}>,
+    pub {{ field.name }}: Option<{{ field.border }}>,
 {% endfor %}
 }
 
@@ -40,20 +46,6 @@ impl From<magcomp::{{ group.name }}> for {{ group.name }} {
     }
 }
 
-impl Default for {{ group.name }} {
-    fn default() -> Self {
-        Self {
-{% for field in group.fields if field.is_group %}
-            {{ field.name }}: Some({{ field.kind }}::default()),
-{% endfor %}
-{% for field in group.fields if field.default and field.core %}
-            {{ field.name }}: Some({{ field.default }}),
-{% endfor %}
-            ..magcomp::{{ group.name }}::default().into()
-        }
-    }
-}
-
 impl TryFrom<{{ group.name }}> for magcomp::{{ group.name }} {
     type Error = MagcompError;
     fn try_from(it: {{ group.name }}) -> Result<Self, MagcompError> {
@@ -63,8 +55,8 @@ impl TryFrom<{{ group.name }}> for magcomp::{{ group.name }} {
         core.{{ field.core }} = it.{{ field.name }}.unwrap_or_default().try_into()?;
 {% elif field.none %}
         core.{{ field.core }} = it.{{ field.name }}{{ ".map(TryInto::try_into).transpose()?" if field.kind != "real" }};
-{% elif field.default %}
-        core.{{ field.core }} = it.{{ field.name }}.unwrap_or({{ field.default }}){{ ".into()" if field.kind not in ["real", "flag"] }};
+{% elif field.phone %}
+        core.{{ field.core }} = it.{{ field.name }}.unwrap_or({{ field.phone }}){{ ".into()" if field.kind not in ["real", "flag"] }};
 {% else %}
         if let Some(value) = it.{{ field.name }} {
             core.{{ field.core }} = {% if field.kind == "real" %}value{% elif field.kind == "count" %}size("{{ field.place }}", value)?{% else %}value.into(){% endif %};

@@ -1,19 +1,13 @@
 // made by bindings/generate.sh from bindings/status.toml
 //! What the compensator is doing, and why: the core's enums as they cross the border, and their codes on the wire.
 
-use crate::convert::{axis_of, count, size};
+use crate::convert::{Cross, same};
 
 {% macro rust_type(field) %}
 {%- if field.kind in ["count", "signed_axis"] %}i32{% elif field.kind == "time" %}i64{% elif field.kind == "real" %}f64{% elif field.kind == "axis" %}Axis{% else %}{{ field.kind }}{% endif %}
 {%- endmacro %}
 {% macro pattern(case) %}
 {% if case.fields %} { {% for field in case.fields %}{{ field.name }}{% if not loop.last %}, {% endif %}{% endfor %} }{% endif %}
-{%- endmacro %}
-{% macro from_core(field) %}
-{% if field.kind == "count" %}{{ field.name }}: count({{ field.name }}){% elif field.kind in ["axis", "signed_axis"] or field.kind in by_name %}{{ field.name }}: {{ field.name }}.into(){% else %}{{ field.name }}{% endif %}
-{%- endmacro %}
-{% macro to_core(field) %}
-{% if field.kind == "count" %}{{ field.name }}: size({{ field.name }}){% elif field.kind == "signed_axis" %}{{ field.name }}: axis_of({{ field.name }}){% elif field.kind == "axis" %}{{ field.name }}: {{ field.name }}.into(){% else %}{{ field.name }}{% endif %}
 {%- endmacro %}
 {% macro example(case) %}
 {% if case.fields %} { {% for field in case.fields %}{{ field.name }}: {{ field.example }}{% if not loop.last %}, {% endif %}{% endfor %} }{% endif %}
@@ -41,37 +35,25 @@ pub enum {{ one.name }} {
 {% endfor %}
 }
 
-impl From<magcomp::{{ one.core }}> for {{ one.name }} {
-    fn from(it: magcomp::{{ one.core }}) -> Self {
-        use magcomp::{{ one.core }} as It;
-        match it {
-{% for case in one.cases %}
-{% if case.nested %}
-            It::{{ case.name }}({{ case.nested.name }}) => Self::{{ case.name }} { {{ case.nested.name }}: {{ case.nested.name }}.into() },
-{% else %}
-            It::{{ case.name }}{{ pattern(case) }} => Self::{{ case.name }}{% if case.fields %} { {% for field in case.fields %}{{ from_core(field) }}{{ ", " if not loop.last }}{% endfor %} }{% endif %},
-{% endif %}
 {% endfor %}
-        }
+impl Cross<Axis> for magcomp::Axis {
+    fn cross(self) -> Axis {
+        self.into()
     }
 }
 
-impl From<{{ one.name }}> for magcomp::{{ one.core }} {
-    fn from(it: {{ one.name }}) -> Self {
-        use {{ one.name }} as It;
-        match it {
-{% for case in one.cases %}
-{% if case.nested %}
-            It::{{ case.name }} { {{ case.nested.name }} } => Self::{{ case.name }}({{ case.nested.name }}.into()),
-{% else %}
-            It::{{ case.name }}{{ pattern(case) }} => Self::{{ case.name }}{% if case.fields %} { {% for field in case.fields %}{{ to_core(field) }}{{ ", " if not loop.last }}{% endfor %} }{% endif %},
-{% endif %}
-{% endfor %}
-        }
+impl Cross<magcomp::Axis> for Axis {
+    fn cross(self) -> magcomp::Axis {
+        self.into()
     }
 }
 
+same! {
+{% for one in enums %}
+    {{ one.name }}: {{ one.core }} { {% for case in one.cases %}{{ case.name }}{% if case.nested %}({{ case.nested.name }}){% else %}{{ pattern(case) }}{% endif %}{{ ", " if not loop.last }}{% endfor %} }
 {% endfor %}
+}
+
 /// A change that was decided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Record)]
 pub struct Event {
@@ -116,11 +98,7 @@ impl {{ name }} {
 
 impl {{ one.name }} {
     pub(crate) fn code(self) -> i32 {
-        match self {
-{% for case in one.cases %}
-            Self::{{ case.name }} => {{ case.code }},
-{% endfor %}
-        }
+        self as i32{{ " + " ~ one.cases[0].code if one.cases[0].code }}
     }
 }
 {% endfor %}

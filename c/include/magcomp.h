@@ -307,19 +307,19 @@ typedef int32_t magcomp_north;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// How M and b are estimated.
+// How the hard and soft iron are estimated.
 enum magcomp_method
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // Gyroscope and gravity beside the magnetometer; the magnetometer alone while there is no usable gyroscope.
+  // Gyroscope and gravity beside the magnetometer; works as `Adaptive` while there is no usable gyroscope.
   MAGCOMP_METHOD_AUTO = 0,
-  // The magnetometer alone.
+  // The magnetometer alone: notices changes, and relearns them as fast as the samples allow.
   MAGCOMP_METHOD_ADAPTIVE = 1,
-  // The paper's: a fit over the latest samples.
+  // The paper's: an ellipsoid fit over the latest samples, whose number follows sigma_T.
   MAGCOMP_METHOD_WINDOWED = 2,
-  // One fit, then kept.
+  // The first step of the paper's method alone: one fit of the first well spread samples, kept from then on.
   MAGCOMP_METHOD_CONSTANT = 3,
 };
 #ifndef __cplusplus
@@ -330,17 +330,17 @@ typedef int32_t magcomp_method;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// Which axis of the device the heading is that of.
+// The axis of the device whose heading is reported.
 enum magcomp_axis
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-  // The top edge, +y.
+  // Top edge of the screen, +y.
   MAGCOMP_AXIS_TOP_EDGE = 0,
-  // The back camera, -z.
+  // Back camera, -z.
   MAGCOMP_AXIS_CAMERA = 1,
-  // The horizontal direction between both.
+  // The horizontal direction between top edge and camera: no flip when the phone passes upright.
   MAGCOMP_AXIS_AUTO = 2,
 };
 #ifndef __cplusplus
@@ -422,25 +422,38 @@ typedef struct magcomp_calibration {
   double field_strength_ut;
 } magcomp_calibration;
 
-// Settings. magcomp_config_default fills in the defaults; change what is to differ. The text of magcomp_compensator_create has the paper's besides.
+// Settings. magcomp_config_default fills in the defaults; change what is to differ. As text, for magcomp_compensator_create, they have
+// these names; those of a heading are in {"heading": {}}, those of the paper's method in {"windowed": {}}. What differs, and what is there alone:
+//
+// - method: One of "Auto", "Aided", "Adaptive", "Windowed", "Constant".
+// - initial: A calibration to begin with, from elsewhere; that of the last launch is for `adopt_kept`. Default none. {"soft_iron": [9 numbers], "hard_iron_ut": [3 numbers], "field_strength_ut": |h|}
+// - initial_sigma_ut: One standard deviation of each component of `initial`'s hard iron, microtesla, 0.01 to 1000. Default 2; larger makes the first headings less sure, and learning faster.
+// - heading.axis: One of "TopEdge", "Camera", "Auto".
+// - heading.screen_rotation: One of "Deg0", "Deg90", "Deg180", "Deg270".
+// - windowed.n_min: N_min, samples, 9 to N_max: the shortest window, and what sigma_T looks at. Default 100; smaller follows changes sooner with more noise.
+// - windowed.n_max: N_max, samples, at most 100 000: the longest window. Default 2000; larger is steadier under poor motion and slower to forget.
+// - windowed.sigma_th: sigma_th, dimensionless, 0 to 10: below it nothing is updated. Default 0.1.
+// - windowed.normalisation: How the standard deviations in sigma_T are normalised. Default `HalfRange`. One of "HalfRange", "EvenSphere".
+// - windowed.residual: The residual that fits square and sum. Default `Corrected`. `Algebraic` follows the paper as written: a window is fitted however far its samples lie from one ellipsoid. One of "Algebraic", "Corrected".
+// - windowed.noise_floor_ut: Least white noise, microtesla per axis, 0 to 1000, for which a fit is judged. Default 5; smaller accepts poorer coverage where the residual is small.
 typedef struct magcomp_config {
   // sizeof(magcomp_config).
   size_t size;
-  // A magcomp_method. Default MAGCOMP_METHOD_AUTO.
+  // A magcomp_method. How the hard and soft iron are estimated. Default MAGCOMP_METHOD_AUTO.
   int32_t method;
-  // A magcomp_axis, whose heading it is. Default MAGCOMP_AXIS_TOP_EDGE.
+  // A magcomp_axis. The axis whose heading it is. Default MAGCOMP_AXIS_TOP_EDGE.
   int32_t axis;
-  // How the screen's content is turned against the device: 0 (default), 90 (the screen's top is the device's right edge), 180 or 270 deg.
+  // How the screen's content is turned against the device. Default 0, not at all. One of 0, 90, 180, 270.
   int32_t screen_rotation_deg;
-  // Largest component of a raw sample, 1 to 100000 uT. Default 2000.
+  // Largest component of a raw sample, microtesla, 1 to 100 000; a larger one is rejected. Default 2000; larger accepts stronger magnets.
   double range_ut;
-  // The sensor's full scale, 1 to 100000 uT. Default NaN: found once an axis has read the same extreme again and again in motion.
+  // The magnetometer's full scale, microtesla (Android: `Sensor.getMaximumRange`). A component at or beyond it is rejected as saturated. 1 to 100 000. Default NaN: it is found once an axis has read the same extreme again and again in motion.
   double rail_ut;
-  // |h| where it is known, 1 to 1000 uT. Default NaN.
+  // The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron carries the sensor's scale. Every method listens to it. Default NaN: found by the method.
   double field_strength_ut;
-  // Declination, east positive, -180 to 180 deg: gives `true_heading_deg`. Default NaN: none.
+  // Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. Default NaN.
   double declination_deg;
-  // Standard deviation of `up` at rest, 0 to 90 deg. Default 0.5.
+  // Standard deviation of `up` at rest, degrees, 0 to 90, for `heading_sigma_deg`; what motion adds to gravity comes on top. Default 0.5.
   double tilt_sigma_deg;
 } magcomp_config;
 
@@ -468,16 +481,8 @@ const char *magcomp_version(void);
 // Makes a compensator, with everything that it will ever need, and puts it into `compensator`; free it with magcomp_compensator_free.
 // magcomp_compensator_create_with takes the settings as a struct.
 //
-// `config_json` has the settings that are not to be the default, such as {"rail_ut": 1200, "heading": {"declination_deg": 2.5}}; null: all are. They are
-//
-// - method: "Auto" (default), "Aided" (the same), "Adaptive" (the magnetometer alone), "Windowed" (the paper's), "Constant" (one fit, then kept)
-// - initial: a calibration to begin with, {"soft_iron": [9 numbers], "hard_iron_ut": [3 numbers], "field_strength_ut": |h|}; default none
-// - initial_sigma_ut: standard deviation of its hard iron per axis, 0.01 to 1000 uT, default 2
-// - range_ut: largest component of a raw sample, 1 to 100000 uT, default 2000
-// - rail_ut: the sensor's full scale, 1 to 100000 uT; default: found once an axis has read the same extreme again and again in motion
-// - field_strength_ut: |h| where it is known, 1 to 1000 uT, default not known
-// - heading: see magcomp_compensator_set_heading
-// - windowed: n_min (100 samples), n_max (2000), sigma_th (0.1), normalisation, residual, noise_floor_ut (5): of the paper's method
+// `config_json` has the settings that are not to be the default, such as {"rail_ut": 1200, "heading": {"declination_deg": 2.5}}; null: all are.
+// magcomp_config lists them.
 //
 // Errors: NULL_POINTER (`compensator`); CONFIG. `*compensator` is null then, and magcomp_compensator_last_error(NULL) has this thread's message.
 magcomp_error magcomp_compensator_create(const char *config_json,
@@ -494,11 +499,7 @@ const char *magcomp_compensator_last_error(const struct magcomp_compensator *com
 magcomp_error magcomp_compensator_reset(struct magcomp_compensator *compensator);
 
 // From now on headings are reported like this; nothing else changes. `heading_json` has the settings that are not to be the default; null: all are.
-//
-// - axis: "TopEdge" (+y, the default), "Camera" (-z) or "Auto" (the horizontal direction between both)
-// - screen_rotation: "Deg0" (default), "Deg90", "Deg180", "Deg270": how the screen's content is turned against the device
-// - declination_deg: east positive, -180 to 180 deg, default not known: gives `true_heading_deg`
-// - tilt_sigma_deg: standard deviation of `up` at rest, 0 to 90 deg, default 0.5
+// They are those of magcomp_config's `heading`.
 //
 // Errors: NULL_POINTER (`compensator`); CONFIG.
 magcomp_error magcomp_compensator_set_heading(struct magcomp_compensator *compensator,

@@ -86,16 +86,8 @@ pub(crate) unsafe fn with(
 /// Makes a compensator, with everything that it will ever need, and puts it into `compensator`; free it with magcomp_compensator_free.
 /// magcomp_compensator_create_with takes the settings as a struct.
 ///
-/// `config_json` has the settings that are not to be the default, such as {"rail_ut": 1200, "heading": {"declination_deg": 2.5}}; null: all are. They are
-///
-/// - method: "Auto" (default), "Aided" (the same), "Adaptive" (the magnetometer alone), "Windowed" (the paper's), "Constant" (one fit, then kept)
-/// - initial: a calibration to begin with, {"soft_iron": [9 numbers], "hard_iron_ut": [3 numbers], "field_strength_ut": |h|}; default none
-/// - initial_sigma_ut: standard deviation of its hard iron per axis, 0.01 to 1000 uT, default 2
-/// - range_ut: largest component of a raw sample, 1 to 100000 uT, default 2000
-/// - rail_ut: the sensor's full scale, 1 to 100000 uT; default: found once an axis has read the same extreme again and again in motion
-/// - field_strength_ut: |h| where it is known, 1 to 1000 uT, default not known
-/// - heading: see magcomp_compensator_set_heading
-/// - windowed: n_min (100 samples), n_max (2000), sigma_th (0.1), normalisation, residual, noise_floor_ut (5): of the paper's method
+/// `config_json` has the settings that are not to be the default, such as {"rail_ut": 1200, "heading": {"declination_deg": 2.5}}; null: all are.
+/// magcomp_config lists them.
 ///
 /// Errors: NULL_POINTER (`compensator`); CONFIG. `*compensator` is null then, and magcomp_compensator_last_error(NULL) has this thread's message.
 #[unsafe(no_mangle)]
@@ -164,11 +156,7 @@ pub unsafe extern "C" fn magcomp_compensator_reset(compensator: *mut Compensator
 }
 
 /// From now on headings are reported like this; nothing else changes. `heading_json` has the settings that are not to be the default; null: all are.
-///
-/// - axis: "TopEdge" (+y, the default), "Camera" (-z) or "Auto" (the horizontal direction between both)
-/// - screen_rotation: "Deg0" (default), "Deg90", "Deg180", "Deg270": how the screen's content is turned against the device
-/// - declination_deg: east positive, -180 to 180 deg, default not known: gives `true_heading_deg`
-/// - tilt_sigma_deg: standard deviation of `up` at rest, 0 to 90 deg, default 0.5
+/// They are those of magcomp_config's `heading`.
 ///
 /// Errors: NULL_POINTER (`compensator`); CONFIG.
 #[unsafe(no_mangle)]

@@ -17,6 +17,9 @@ mod outside;
 mod reading;
 // made, for people to read and not to edit
 #[rustfmt::skip]
+mod settings;
+// made, for people to read and not to edit
+#[rustfmt::skip]
 mod status;
 #[cfg(test)]
 mod tests;

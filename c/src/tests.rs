@@ -2,11 +2,11 @@
 
 use crate::calibration::Calibration;
 use crate::compensator::Compensator;
-use crate::config::Config;
 use crate::error::Error;
 use crate::fit::Fit;
 use crate::grows::{Grows, fill, room};
 use crate::reading::Reading;
+use crate::settings::{Config, members};
 use std::path::Path;
 
 /// `MAGCOMP_WRITE_HEADER=1 cargo test -p magcomp-c` writes it.
@@ -49,21 +49,7 @@ macro_rules! layout {
 fn layout_is_that_of_abi_txt() {
     let mut lines = Vec::new();
     layout!(lines, "magcomp_calibration", Calibration { size, soft_iron, hard_iron_ut, field_strength_ut });
-    layout!(
-        lines,
-        "magcomp_config",
-        Config {
-            size,
-            method,
-            axis,
-            screen_rotation_deg,
-            range_ut,
-            rail_ut,
-            field_strength_ut,
-            declination_deg,
-            tilt_sigma_deg
-        }
-    );
+    members!(layout, lines, "magcomp_config");
     layout!(lines, "magcomp_fit", Fit { size, covariance, residual_rms_ut, direction_sigma_deg, problem });
     layout!(
         lines,

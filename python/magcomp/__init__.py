@@ -42,7 +42,8 @@ from ._magcomp import (
 )
 from ._many import process_many
 from ._status import EventKind, HeadingAid, Status
-from ._types import Answers, HeadingSettings, Session, Settings
+from ._settings import HeadingSettings, Settings
+from ._types import Answers, Session
 
 __all__ = [
     "Answers",

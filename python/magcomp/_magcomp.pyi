@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import Unpack
 
 from ._status import EventKind, HeadingAid, Status
-from ._types import Answers, North, Session, Settings
+from ._settings import Settings
+from ._types import Answers, North, Session
 
 __version__: str
 __all__ = [

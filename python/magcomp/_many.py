@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterable, Mapping
 
 from . import _magcomp
 from ._frames import from_frame
-from ._types import Session, Settings
+from ._settings import Settings
+from ._types import Session
 
 if typing.TYPE_CHECKING:
     import pandas

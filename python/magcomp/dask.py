@@ -11,7 +11,7 @@ if typing.TYPE_CHECKING:
     import pandas
     from typing_extensions import Unpack
 
-    from ._types import Settings
+    from ._settings import Settings
 
 
 def process_many(recordings: dask.dataframe.DataFrame, **settings: Unpack[Settings]) -> dask.dataframe.DataFrame:

@@ -13,7 +13,7 @@ if typing.TYPE_CHECKING:
     from pyspark.sql import DataFrame
     from typing_extensions import Unpack
 
-    from ._types import Settings
+    from ._settings import Settings
 
 
 def process_many(recordings: DataFrame, **settings: Unpack[Settings]) -> DataFrame:

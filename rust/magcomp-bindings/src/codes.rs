@@ -56,9 +56,8 @@ mod tests {
     use super::*;
     use crate::table::read;
 
-    fn table(first: (&str, i32, i32), second: (&str, i32, i32)) -> Vec<Enum> {
-        let case =
-            |(name, code, c)| format!("[[Kind.cases]]\nname = \"{name}\"\ncode = {code}\nc = {c}\nmeaning = \"x\"\n");
+    fn table(first: (&str, i32), second: (&str, i32)) -> Vec<Enum> {
+        let case = |(name, c)| format!("[[Kind.cases]]\nname = \"{name}\"\nc = {c}\nmeaning = \"x\"\n");
         read(&format!("[Kind]\nmeaning = \"x\"\nc = \"Reason\"\n{}{}", case(first), case(second))).unwrap()
     }
 
@@ -66,10 +65,10 @@ mod tests {
 
     #[test]
     fn a_page_grows_and_keeps_what_is_gone() {
-        let page = updated("", &table(("One", 0, 5), ("Two", 1, 7))).unwrap();
+        let page = updated("", &table(("One", 5), ("Two", 7))).unwrap();
         assert_eq!(page, format!("{HEAD}{PAGE}"));
-        assert_eq!(updated(&page, &table(("One", 0, 5), ("Two", 1, 7))).unwrap(), page);
-        let without_two = &table(("One", 0, 5), ("Two", 1, 7))[0];
+        assert_eq!(updated(&page, &table(("One", 5), ("Two", 7))).unwrap(), page);
+        let without_two = &table(("One", 5), ("Two", 7))[0];
         let mut without_two = without_two.clone();
         without_two.cases.pop();
         assert_eq!(updated(&page, &[without_two]).unwrap(), page);
@@ -77,12 +76,12 @@ mod tests {
 
     #[test]
     fn a_code_that_changed_is_refused() {
-        let why = updated(PAGE, &table(("One", 0, 6), ("Two", 1, 7))).unwrap_err();
+        let why = updated(PAGE, &table(("One", 6), ("Two", 7))).unwrap_err();
         assert_eq!(
             why,
             "bindings/status.toml: c Reason One has the code 6, and had 5; codes are ABI and do not change"
         );
-        let why = updated(PAGE, &table(("Two", 0, 7), ("One", 1, 5))).unwrap_err();
+        let why = updated(PAGE, &table(("Two", 7), ("One", 5))).unwrap_err();
         assert_eq!(
             why,
             "bindings/status.toml: border Kind Two has the code 0, and had 1; codes are ABI and do not change"
@@ -91,13 +90,12 @@ mod tests {
 
     #[test]
     fn a_code_of_another_case_is_refused_also_of_one_that_is_gone() {
-        let why = updated(PAGE, &table(("One", 0, 5), ("Three", 1, 8))).unwrap_err();
+        let why = updated(PAGE, &table(("One", 5), ("Three", 8))).unwrap_err();
         assert_eq!(
             why,
             "bindings/status.toml: border Kind Three has the code 1, which Two has or had; take one that is free"
         );
-        let why =
-            updated(&PAGE.replace("border Kind Two 1\n", ""), &table(("One", 0, 5), ("Three", 1, 7))).unwrap_err();
+        let why = updated(&PAGE.replace("border Kind Two 1\n", ""), &table(("One", 5), ("Three", 7))).unwrap_err();
         assert_eq!(
             why,
             "bindings/status.toml: c Reason Three has the code 7, which Two has or had; take one that is free"
@@ -106,7 +104,7 @@ mod tests {
 
     #[test]
     fn a_damaged_page_is_refused() {
-        let ours = table(("One", 0, 5), ("Two", 1, 7));
+        let ours = table(("One", 5), ("Two", 7));
         for line in ["border Kind One", "border Kind One x", "border Kind One 0 1", ""] {
             assert!(updated(&format!("{PAGE}{line}\n"), &ours).unwrap_err().contains("expected `PLACE"), "{line}");
         }

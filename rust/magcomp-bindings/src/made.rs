@@ -14,10 +14,15 @@ pub type File = (String, String);
 
 /// Files that are a template's, by the template's name in `bindings/templates`.
 const WHOLE: &[(&str, &str)] = &[
+    ("core.rs", "rust/magcomp/src/status.rs"),
     ("status.rs", "rust/magcomp-ffi/src/status.rs"),
     ("reading.rs", "rust/magcomp-ffi/src/reading.rs"),
     ("slots.rs", "rust/magcomp-ffi/src/fast/slots.rs"),
+    ("config_core.rs", "rust/magcomp/src/config.rs"),
     ("config.rs", "rust/magcomp-ffi/src/config/records.rs"),
+    ("choices.rs", "rust/magcomp-ffi/src/choices.rs"),
+    ("config_c.rs", "c/src/settings.rs"),
+    ("settings.py", "python/magcomp/_settings.py"),
     ("Builders.kt", "android/library/src/main/kotlin/org/magcomp/Builders.kt"),
     ("magcomp.h", "rust/magcomp-ffi/include/magcomp.h"),
     ("status_c.rs", "c/src/status.rs"),
@@ -41,7 +46,10 @@ struct Values {
     /// The same by their names.
     by_name: BTreeMap<String, view::EnumView>,
     reading: reading::Layout,
+    /// What settings choose from.
+    choices: Vec<view::EnumView>,
     settings: Vec<config::GroupView>,
+    members: Vec<config::FieldView>,
 }
 
 /// Folders in which there is nothing but what is made here.
@@ -85,14 +93,15 @@ pub fn files(root: &Path) -> Result<Vec<File>, String> {
     let mut made = texts::files(&all, &codes_of_languages);
     // the page is empty before the first time
     let page = content(root, "bindings/codes.txt").unwrap_or_default();
-    made.push(("bindings/codes.txt".to_owned(), codes::updated(&page, &enums)?));
-
     let renamed = renamed(root)?;
+    let config::Settings { choices, groups: settings, members } =
+        config::read(&content(root, "bindings/config.toml")?, &renamed)?;
+    made.push(("bindings/codes.txt".to_owned(), codes::updated(&page, &[&enums[..], &choices].concat())?));
+
     let reading = reading::read(&content(root, "bindings/reading.toml")?, &enums, &renamed)?;
-    let settings = config::read(&content(root, "bindings/config.toml")?, &renamed)?;
-    let enums = view::enums(&enums, &renamed)?;
-    let by_name = enums.iter().map(|one| (one.name.clone(), one.clone())).collect();
-    let values = Value::from(Serde(Values { enums, by_name, reading, settings }));
+    let (enums, choices) = (view::enums(&enums, &renamed)?, view::enums(&choices, &renamed)?);
+    let by_name = enums.iter().chain(&choices).map(|one| (one.name.clone(), one.clone())).collect();
+    let values = Value::from(Serde(Values { enums, by_name, reading, choices, settings, members }));
     let mut environment = Environment::new();
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true).build();
     environment.set_syntax(syntax.expect("the usual delimiters"));

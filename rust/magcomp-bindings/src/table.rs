@@ -15,10 +15,18 @@ pub struct Enum {
     pub meaning: String,
     /// Its name in the core, where that is another.
     pub core: Option<String>,
+    /// The case that the core's default is.
+    pub default: Option<String>,
+    /// Whether the core's may get more cases: of settings.
+    #[serde(default)]
+    pub grows: bool,
     /// The enum of C that has its cases.
     pub c: Option<String>,
     /// What the names of its texts begin with.
     pub texts: Option<String>,
+    /// The code of its first case.
+    #[serde(default)]
+    pub first: i32,
     pub cases: Vec<Case>,
 }
 
@@ -27,6 +35,8 @@ pub struct Enum {
 #[serde(deny_unknown_fields)]
 pub struct Case {
     pub name: String,
+    /// On the wire: as uniffi does, by the order of the cases.
+    #[serde(skip)]
     pub code: i32,
     pub c: Option<i32>,
     pub meaning: String,
@@ -57,37 +67,43 @@ impl Case {
     }
 }
 
-/// Reads the table, and refuses what the languages could not be made from.
+/// A number of the table as Rust has it.
+pub fn as_rust(value: &toml::Value) -> String {
+    match value {
+        toml::Value::Float(number) => format!("{number:?}"),
+        toml::Value::Integer(number) => number.to_string(),
+        other => other.as_str().unwrap_or_default().to_owned(),
+    }
+}
+
+/// Reads the table.
 pub fn read(text: &str) -> Result<Vec<Enum>, String> {
-    let table: toml::Table = text.parse().map_err(|error| format!("bindings/status.toml: {error}"))?;
+    enums("bindings/status.toml", text.parse().map_err(|error| format!("bindings/status.toml: {error}"))?)
+}
+
+/// The enums of a file; refuses what the languages could not be made from.
+pub fn enums(file: &str, table: toml::Table) -> Result<Vec<Enum>, String> {
     let mut enums = Vec::new();
     for (name, value) in table {
-        let mut one: Enum = value.try_into().map_err(|error| format!("bindings/status.toml: {name}: {error}"))?;
+        let mut one: Enum = value.try_into().map_err(|error| format!("{file}: {name}: {error}"))?;
         one.name = name;
+        for (case, code) in one.cases.iter_mut().zip(one.first..) {
+            case.code = code;
+        }
         enums.push(one);
     }
     for one in &enums {
-        one.check(&enums).map_err(|why| format!("bindings/status.toml: {}{why}", one.name))?;
+        one.check(&enums).map_err(|why| format!("{file}: {}{why}", one.name))?;
     }
     Ok(enums)
 }
 
 impl Enum {
     fn check(&self, all: &[Enum]) -> Result<(), String> {
-        let first = self.cases.first().map_or(0, |case| case.code);
         for (k, case) in self.cases.iter().enumerate() {
             let refuse = |why: String| Err(format!(".{}: {why}", case.name));
-            if let Some(other) = self.cases[..k].iter().find(|other| other.name == case.name || other.code == case.code)
-            {
-                return refuse(format!("its name or its code {} is that of {} too", case.code, other.name));
-            }
-            // uniffi counts cases in the order of their declaration
-            if case.code != first + k as i32 {
-                return refuse(format!(
-                    "code is {}, expected {}: codes count up, a new case comes last",
-                    case.code,
-                    first + k as i32
-                ));
+            if self.cases[..k].iter().any(|other| other.name == case.name) {
+                return refuse("it is there twice".to_owned());
             }
             if case.fields.len() > 1 && case.nested().is_some() {
                 return refuse("an enum is the only field of its case".to_owned());
@@ -131,14 +147,12 @@ mod tests {
 
         [[Kind.cases]]
         name = "One"
-        code = 0
         meaning = "x"
         text.en = "one of {many:int}"
         fields = [{ name = "many", kind = "count", meaning = "x", example = 3 }]
 
         [[Kind.cases]]
         name = "Two"
-        code = 1
         meaning = "x"
         fields = [{ name = "other", kind = "Other", meaning = "x" }]
 
@@ -147,7 +161,6 @@ mod tests {
 
         [[Other.cases]]
         name = "Only"
-        code = 0
         meaning = "x"
     "#;
 
@@ -166,10 +179,7 @@ mod tests {
 
     #[test]
     fn what_the_languages_cannot_be_made_from_is_refused_by_name() {
-        let why = refused("code = 1", "code = 0");
-        assert_eq!(why, "bindings/status.toml: Kind.Two: its name or its code 0 is that of One too");
-        assert!(refused("\"Two\"", "\"One\"").contains("Kind.One: its name or its code 1 is that of One too"));
-        assert!(refused("code = 1", "code = 2").contains("Kind.Two: code is 2, expected 1"));
+        assert_eq!(refused("\"Two\"", "\"One\""), "bindings/status.toml: Kind.One: it is there twice");
         assert!(refused("\"count\"", "\"number\"").contains("field many has the kind number"));
         assert!(refused(", example = 3", "").contains("field many has no example"));
         assert!(refused("text.en", "text.de").contains("Kind.One: it has no text.en"));

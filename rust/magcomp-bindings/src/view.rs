@@ -1,7 +1,7 @@
 //! The table as templates ask for it: every name in every spelling, and where a field lies on the wire.
 
 use crate::names::{camel, snake};
-use crate::table::{Case, Enum, Field};
+use crate::table::{Case, Enum, Field, as_rust};
 use crate::texts::placeholders;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -21,6 +21,10 @@ pub struct EnumView {
     has_fields: bool,
     has_reals: bool,
     has_texts: bool,
+    /// Whether the core has a text for it.
+    says: bool,
+    default: Option<String>,
+    grows: bool,
     cases: Vec<CaseView>,
 }
 
@@ -44,6 +48,10 @@ pub struct CaseView {
     nested: Option<FieldView>,
     /// The status that has it as its reason.
     under: Option<String>,
+    /// What the core says, as Rust formats it; of an event without how long it took.
+    says: Option<String>,
+    /// Whether that names the axes of its fields as one types them.
+    has_axes: bool,
     /// Name of its text; none where its field says it all.
     text: Option<String>,
     /// What the text's placeholders stand for, in their order.
@@ -89,6 +97,9 @@ impl EnumView {
             has_fields: fields().next().is_some(),
             has_reals: fields().any(is_real),
             has_texts: one.texts.is_some(),
+            says: one.cases.iter().any(|case| !case.text.is_empty()),
+            default: one.default.clone(),
+            grows: one.grows,
             cases: cases?,
         })
     }
@@ -98,6 +109,18 @@ fn document(case: &Case) -> String {
     let Some(hint) = &case.developers else { return case.meaning.clone() };
     let end = if hint.ends_with('?') { "" } else { "." };
     format!("{} {}{}{end}", case.meaning, hint[..1].to_uppercase(), &hint[1..])
+}
+
+/// A text as the core formats it. An enum that stands alone says what it holds; an event's own text ends before how long it took.
+fn says(one: &Enum, case: &Case) -> Option<String> {
+    let says_any = one.cases.iter().any(|case| !case.text.is_empty());
+    let Some(text) = case.text.get("en") else { return case.nested().filter(|_| says_any).map(|_| "{0}".to_owned()) };
+    let mut said =
+        text.strip_suffix(" in {took_s:.1} s").unwrap_or(text).replace(":int}", "}").replace("{axes:text}", "{}");
+    if let Some(nested) = case.nested() {
+        said = said.replace(&format!("{{{}:text}}", nested.name), "{0}");
+    }
+    Some(said.replace(":text}", "}"))
 }
 
 fn is_real(field: &Field) -> bool {
@@ -152,6 +175,8 @@ impl CaseView {
                 .filter(|_| english.is_some())
                 .map(|begins| format!("{begins}_{}", snake(&case.name))),
             under: None,
+            says: says(one, case),
+            has_axes: english.is_some_and(|text| text.contains("{axes:text}")),
             told: told?,
             fields,
         })
@@ -163,10 +188,7 @@ impl FieldView {
         let field = &fields[k];
         let example = match &field.example {
             Some(toml::Value::String(case)) => format!("Axis::{case}"),
-            Some(toml::Value::Float(number)) => format!("{number:?}"),
-            Some(toml::Value::Integer(number)) => number.to_string(),
-            // the table has no others
-            _ => String::new(),
+            other => other.as_ref().map_or_else(String::new, as_rust),
         };
         Self {
             name: field.name.clone(),

@@ -1,17 +1,15 @@
 //! The config as it crosses the border: every field may be left out, and then is the core's default.
 
-mod choices;
 // made, for people to read and not to edit
 #[rustfmt::skip]
 mod records;
 
-pub use choices::{Method, Normalisation, Residual};
 pub use records::{Config, FitOptions, HeadingConfig, WindowedConfig};
 
 /// The library's defaults, every field given.
 #[uniffi::export]
 pub fn default_config() -> Config {
-    Config::default()
+    magcomp::Config::try_from(Config::default()).unwrap_or_default().into()
 }
 
 #[cfg(test)]
@@ -32,25 +30,8 @@ mod tests {
 
     #[test]
     fn what_is_left_out_is_the_default() {
-        let windowed = WindowedConfig {
-            n_min: Some(50),
-            n_max: None,
-            sigma_th: None,
-            normalisation: None,
-            residual: None,
-            noise_floor_ut: None,
-        };
-        let config = Config {
-            method: None,
-            initial: None,
-            initial_sigma_ut: None,
-            use_reported_hard_iron: None,
-            range_ut: None,
-            rail_ut: None,
-            field_strength_ut: Some(48.0),
-            heading: None,
-            windowed: Some(windowed),
-        };
+        let windowed = WindowedConfig { n_min: Some(50), ..Default::default() };
+        let config = Config { field_strength_ut: Some(48.0), windowed: Some(windowed), ..Default::default() };
         let expected = magcomp::Config {
             field_strength_ut: Some(48.0),
             windowed: magcomp::WindowedConfig { n_min: 50, ..Default::default() },

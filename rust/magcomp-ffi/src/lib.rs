@@ -29,9 +29,12 @@ mod reading;
 mod record;
 #[rustfmt::skip]
 mod status;
+#[rustfmt::skip]
+mod choices;
 
+pub use choices::{Method, Normalisation, ReferenceAxis, Residual, ScreenRotation};
 pub use compensator::Compensator;
-pub use config::{Config, FitOptions, HeadingConfig, Method, Normalisation, Residual, WindowedConfig, default_config};
+pub use config::{Config, FitOptions, HeadingConfig, WindowedConfig, default_config};
 pub use constant_field::ConstantField;
 pub use error::MagcompError;
 pub use geomagnetic::{GeomagneticField, geomagnetic_field};
@@ -39,8 +42,8 @@ pub use logging::{LogLevel, start_logging};
 pub use outside::{AttitudeSample, FoundDeclination, HeadedAxis, HeadingSample, NorthReference, Yaw};
 pub use reading::Reading;
 pub use record::{
-    Calibration, Coverage, Fit, Heading, HeadingFrame, MagneticSample, ReferenceAxis, RotationRateSample,
-    ScreenRotation, SoftIron, Termination, UpSample, Vector3, correct, heading, true_heading_deg,
+    Calibration, Coverage, Fit, Heading, HeadingFrame, MagneticSample, RotationRateSample, SoftIron, Termination,
+    UpSample, Vector3, correct, heading, true_heading_deg,
 };
 pub use status::{
     Axis, Event, EventKind, EventRejection, FitProblem, HeadingAid, HoldReason, Missing, ModelOrder, RejectReason,

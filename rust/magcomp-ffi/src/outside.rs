@@ -1,7 +1,7 @@
 //! Headings and orientations from outside, and what they are worth: low rates, so no fast path.
 
 use crate::compensator::Compensator;
-use crate::convert::same_names;
+use crate::convert::same;
 use crate::error::MagcompError;
 use crate::record::Vector3;
 use crate::status::HeadingAid;
@@ -86,8 +86,8 @@ pub struct FoundDeclination {
     pub sigma_deg: f64,
 }
 
-same_names! {
-    NorthReference { True, Magnetic }
+same! {
+    NorthReference: NorthReference { True, Magnetic }
 }
 
 impl From<HeadingSample> for magcomp::HeadingSample {

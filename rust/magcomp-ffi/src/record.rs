@@ -1,6 +1,7 @@
 //! Records that cross the border, and their conversions.
 
-use crate::convert::{count, same_names};
+use crate::choices::{ReferenceAxis, ScreenRotation};
+use crate::convert::{count, same};
 use crate::error::MagcompError;
 use magcomp::nalgebra;
 
@@ -121,30 +122,6 @@ impl From<magcomp::Attitude> for Attitude {
     }
 }
 
-/// The axis of the device whose heading is reported.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
-pub enum ReferenceAxis {
-    /// Top edge of the screen.
-    TopEdge,
-    /// Back camera.
-    Camera,
-    /// The horizontal direction between top edge and camera: no flip when the phone passes upright.
-    Auto,
-}
-
-/// How the screen's content is turned against the device's natural orientation, as Android's `Display.getRotation`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
-pub enum ScreenRotation {
-    /// Natural orientation: portrait on phones.
-    Deg0,
-    /// Landscape, the device turned counter-clockwise: the screen's top is the device's right edge.
-    Deg90,
-    /// Upside down.
-    Deg180,
-    /// The other landscape: the screen's top is the device's left edge.
-    Deg270,
-}
-
 /// The axis whose heading is reported, how the screen's content is turned, and the declination.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Record)]
 pub struct HeadingFrame {
@@ -261,10 +238,8 @@ pub enum Termination {
     MaxIterations,
 }
 
-same_names! {
-    Termination { Converged, Stalled, MaxIterations }
-    ReferenceAxis { TopEdge, Camera, Auto }
-    ScreenRotation { Deg0, Deg90, Deg180, Deg270 }
+same! {
+    Termination: Termination { Converged, Stalled, MaxIterations }
 }
 
 /// Which directions of the sphere have been seen, for guidance.

@@ -1,7 +1,7 @@
 // made by bindings/generate.sh from bindings/status.toml
 //! What the compensator is doing, and why: the core's enums as they cross the border, and their codes on the wire.
 
-use crate::convert::{axis_of, count, size};
+use crate::convert::{Cross, same};
 
 /// What the compensator is doing, so that an app can tell its user what to do. `text()` says it in a sentence.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Enum)]
@@ -35,34 +35,6 @@ pub enum Status {
     },
 }
 
-impl From<magcomp::Status> for Status {
-    fn from(it: magcomp::Status) -> Self {
-        use magcomp::Status as It;
-        match it {
-            It::Collecting(missing) => Self::Collecting { missing: missing.into() },
-            It::Tracking => Self::Tracking,
-            It::Suspect { since_ns } => Self::Suspect { since_ns },
-            It::Held(reason) => Self::Held { reason: reason.into() },
-            It::Disturbed { since_ns } => Self::Disturbed { since_ns },
-            It::Rejected(reason) => Self::Rejected { reason: reason.into() },
-        }
-    }
-}
-
-impl From<Status> for magcomp::Status {
-    fn from(it: Status) -> Self {
-        use Status as It;
-        match it {
-            It::Collecting { missing } => Self::Collecting(missing.into()),
-            It::Tracking => Self::Tracking,
-            It::Suspect { since_ns } => Self::Suspect { since_ns },
-            It::Held { reason } => Self::Held(reason.into()),
-            It::Disturbed { since_ns } => Self::Disturbed { since_ns },
-            It::Rejected { reason } => Self::Rejected(reason.into()),
-        }
-    }
-}
-
 /// What a first calibration still lacks.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Enum)]
 pub enum Missing {
@@ -82,30 +54,6 @@ pub enum Missing {
     Rotation,
     /// The device was turned, but not about enough axes.
     Directions,
-}
-
-impl From<magcomp::Missing> for Missing {
-    fn from(it: magcomp::Missing) -> Self {
-        use magcomp::Missing as It;
-        match it {
-            It::Samples { have, need } => Self::Samples { have: count(have), need: count(need) },
-            It::Fit(problem) => Self::Fit { problem: problem.into() },
-            It::Rotation => Self::Rotation,
-            It::Directions => Self::Directions,
-        }
-    }
-}
-
-impl From<Missing> for magcomp::Missing {
-    fn from(it: Missing) -> Self {
-        use Missing as It;
-        match it {
-            It::Samples { have, need } => Self::Samples { have: size(have), need: size(need) },
-            It::Fit { problem } => Self::Fit(problem.into()),
-            It::Rotation => Self::Rotation,
-            It::Directions => Self::Directions,
-        }
-    }
 }
 
 /// Why nothing is learned at the moment.
@@ -128,34 +76,6 @@ pub enum HoldReason {
     NoGyroscope,
 }
 
-impl From<magcomp::HoldReason> for HoldReason {
-    fn from(it: magcomp::HoldReason) -> Self {
-        use magcomp::HoldReason as It;
-        match it {
-            It::LowUniformity => Self::LowUniformity,
-            It::FitRefused(problem) => Self::FitRefused { problem: problem.into() },
-            It::Constant => Self::Constant,
-            It::AtRest => Self::AtRest,
-            It::TooLittleRotation => Self::TooLittleRotation,
-            It::NoGyroscope => Self::NoGyroscope,
-        }
-    }
-}
-
-impl From<HoldReason> for magcomp::HoldReason {
-    fn from(it: HoldReason) -> Self {
-        use HoldReason as It;
-        match it {
-            It::LowUniformity => Self::LowUniformity,
-            It::FitRefused { problem } => Self::FitRefused(problem.into()),
-            It::Constant => Self::Constant,
-            It::AtRest => Self::AtRest,
-            It::TooLittleRotation => Self::TooLittleRotation,
-            It::NoGyroscope => Self::NoGyroscope,
-        }
-    }
-}
-
 /// An axis of the device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
 pub enum Axis {
@@ -165,28 +85,6 @@ pub enum Axis {
     Y,
     /// Out of the screen.
     Z,
-}
-
-impl From<magcomp::Axis> for Axis {
-    fn from(it: magcomp::Axis) -> Self {
-        use magcomp::Axis as It;
-        match it {
-            It::X => Self::X,
-            It::Y => Self::Y,
-            It::Z => Self::Z,
-        }
-    }
-}
-
-impl From<Axis> for magcomp::Axis {
-    fn from(it: Axis) -> Self {
-        use Axis as It;
-        match it {
-            It::X => Self::X,
-            It::Y => Self::Y,
-            It::Z => Self::Z,
-        }
-    }
 }
 
 /// Why a sample was not used.
@@ -240,36 +138,6 @@ pub enum RejectReason {
     },
 }
 
-impl From<magcomp::RejectReason> for RejectReason {
-    fn from(it: magcomp::RejectReason) -> Self {
-        use magcomp::RejectReason as It;
-        match it {
-            It::NotFinite => Self::NotFinite,
-            It::OutOfRange { value_ut, limit_ut } => Self::OutOfRange { value_ut, limit_ut },
-            It::Saturated { axis, value_ut, rail_ut } => Self::Saturated { axis: axis.into(), value_ut, rail_ut },
-            It::TimeNotAfter { time_ns, latest_ns } => Self::TimeNotAfter { time_ns, latest_ns },
-            It::TimeJump { gap_s, limit_s } => Self::TimeJump { gap_s, limit_s },
-            It::Stuck { repeats } => Self::Stuck { repeats: count(repeats) },
-            It::Axes { x, y, z } => Self::Axes { x: x.into(), y: y.into(), z: z.into() },
-        }
-    }
-}
-
-impl From<RejectReason> for magcomp::RejectReason {
-    fn from(it: RejectReason) -> Self {
-        use RejectReason as It;
-        match it {
-            It::NotFinite => Self::NotFinite,
-            It::OutOfRange { value_ut, limit_ut } => Self::OutOfRange { value_ut, limit_ut },
-            It::Saturated { axis, value_ut, rail_ut } => Self::Saturated { axis: axis.into(), value_ut, rail_ut },
-            It::TimeNotAfter { time_ns, latest_ns } => Self::TimeNotAfter { time_ns, latest_ns },
-            It::TimeJump { gap_s, limit_s } => Self::TimeJump { gap_s, limit_s },
-            It::Stuck { repeats } => Self::Stuck { repeats: size(repeats) },
-            It::Axes { x, y, z } => Self::Axes { x: axis_of(x), y: axis_of(y), z: axis_of(z) },
-        }
-    }
-}
-
 /// Why there is no ellipsoid to report.
 #[derive(Clone, Copy, Debug, PartialEq, uniffi::Enum)]
 pub enum FitProblem {
@@ -312,36 +180,6 @@ pub enum FitProblem {
     NotFinite,
 }
 
-impl From<magcomp::FitError> for FitProblem {
-    fn from(it: magcomp::FitError) -> Self {
-        use magcomp::FitError as It;
-        match it {
-            It::TooFewSamples { have } => Self::TooFewSamples { have: count(have) },
-            It::Planar { thickness_ut } => Self::Planar { thickness_ut },
-            It::PoorCoverage { direction_sigma_deg, limit_deg } => Self::PoorCoverage { direction_sigma_deg, limit_deg },
-            It::Inconsistent { residual_ut, limit_ut } => Self::Inconsistent { residual_ut, limit_ut },
-            It::NotAnEllipsoid => Self::NotAnEllipsoid,
-            It::FieldOutOfRange { field_ut, low_ut, high_ut } => Self::FieldOutOfRange { field_ut, low_ut, high_ut },
-            It::NotFinite => Self::NotFinite,
-        }
-    }
-}
-
-impl From<FitProblem> for magcomp::FitError {
-    fn from(it: FitProblem) -> Self {
-        use FitProblem as It;
-        match it {
-            It::TooFewSamples { have } => Self::TooFewSamples { have: size(have) },
-            It::Planar { thickness_ut } => Self::Planar { thickness_ut },
-            It::PoorCoverage { direction_sigma_deg, limit_deg } => Self::PoorCoverage { direction_sigma_deg, limit_deg },
-            It::Inconsistent { residual_ut, limit_ut } => Self::Inconsistent { residual_ut, limit_ut },
-            It::NotAnEllipsoid => Self::NotAnEllipsoid,
-            It::FieldOutOfRange { field_ut, low_ut, high_ut } => Self::FieldOutOfRange { field_ut, low_ut, high_ut },
-            It::NotFinite => Self::NotFinite,
-        }
-    }
-}
-
 /// Why a gyroscope, accelerometer or gravity event was not used; nothing has changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
 pub enum EventRejection {
@@ -349,38 +187,12 @@ pub enum EventRejection {
     NotFinite,
     /// Beyond anything the sensor can read.
     OutOfRange,
-    /// At or before a magnetometer sample already answered.
+    /// At or before a magnetometer sample already answered. Of a heading: more than 5 s old, or not after the latest one that was used.
     Late,
     /// An event with this very time is there already.
     Duplicate,
     /// So far ahead of the magnetometer that it must be from another clock.
     Ahead,
-}
-
-impl From<magcomp::EventRejection> for EventRejection {
-    fn from(it: magcomp::EventRejection) -> Self {
-        use magcomp::EventRejection as It;
-        match it {
-            It::NotFinite => Self::NotFinite,
-            It::OutOfRange => Self::OutOfRange,
-            It::Late => Self::Late,
-            It::Duplicate => Self::Duplicate,
-            It::Ahead => Self::Ahead,
-        }
-    }
-}
-
-impl From<EventRejection> for magcomp::EventRejection {
-    fn from(it: EventRejection) -> Self {
-        use EventRejection as It;
-        match it {
-            It::NotFinite => Self::NotFinite,
-            It::OutOfRange => Self::OutOfRange,
-            It::Late => Self::Late,
-            It::Duplicate => Self::Duplicate,
-            It::Ahead => Self::Ahead,
-        }
-    }
 }
 
 /// The sensors the estimator runs on, as they come and go.
@@ -396,30 +208,6 @@ pub enum SensorMode {
     MagnetometerOnly,
 }
 
-impl From<magcomp::SensorMode> for SensorMode {
-    fn from(it: magcomp::SensorMode) -> Self {
-        use magcomp::SensorMode as It;
-        match it {
-            It::GyroscopeAndGravity => Self::GyroscopeAndGravity,
-            It::GyroscopeOnly => Self::GyroscopeOnly,
-            It::GravityOnly => Self::GravityOnly,
-            It::MagnetometerOnly => Self::MagnetometerOnly,
-        }
-    }
-}
-
-impl From<SensorMode> for magcomp::SensorMode {
-    fn from(it: SensorMode) -> Self {
-        use SensorMode as It;
-        match it {
-            It::GyroscopeAndGravity => Self::GyroscopeAndGravity,
-            It::GyroscopeOnly => Self::GyroscopeOnly,
-            It::GravityOnly => Self::GravityOnly,
-            It::MagnetometerOnly => Self::MagnetometerOnly,
-        }
-    }
-}
-
 /// Which of the nine parameters a change set free.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
 pub enum ModelOrder {
@@ -433,30 +221,6 @@ pub enum ModelOrder {
     Former,
 }
 
-impl From<magcomp::ModelOrder> for ModelOrder {
-    fn from(it: magcomp::ModelOrder) -> Self {
-        use magcomp::ModelOrder as It;
-        match it {
-            It::Nothing => Self::Nothing,
-            It::HardIron => Self::HardIron,
-            It::All => Self::All,
-            It::Former => Self::Former,
-        }
-    }
-}
-
-impl From<ModelOrder> for magcomp::ModelOrder {
-    fn from(it: ModelOrder) -> Self {
-        use ModelOrder as It;
-        match it {
-            It::Nothing => Self::Nothing,
-            It::HardIron => Self::HardIron,
-            It::All => Self::All,
-            It::Former => Self::Former,
-        }
-    }
-}
-
 /// What changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
 pub enum EventKind {
@@ -466,28 +230,6 @@ pub enum EventKind {
     DeviceStepBack,
     /// The field of the place changed; the calibration is held.
     PlaceChanged,
-}
-
-impl From<magcomp::EventKind> for EventKind {
-    fn from(it: magcomp::EventKind) -> Self {
-        use magcomp::EventKind as It;
-        match it {
-            It::DeviceStep => Self::DeviceStep,
-            It::DeviceStepBack => Self::DeviceStepBack,
-            It::PlaceChanged => Self::PlaceChanged,
-        }
-    }
-}
-
-impl From<EventKind> for magcomp::EventKind {
-    fn from(it: EventKind) -> Self {
-        use EventKind as It;
-        match it {
-            It::DeviceStep => Self::DeviceStep,
-            It::DeviceStepBack => Self::DeviceStepBack,
-            It::PlaceChanged => Self::PlaceChanged,
-        }
-    }
 }
 
 /// What headings from outside are worth. `text()` says it in a sentence.
@@ -501,26 +243,30 @@ pub enum HeadingAid {
     Disagrees,
 }
 
-impl From<magcomp::HeadingAid> for HeadingAid {
-    fn from(it: magcomp::HeadingAid) -> Self {
-        use magcomp::HeadingAid as It;
-        match it {
-            It::Used => Self::Used,
-            It::Leads => Self::Leads,
-            It::Disagrees => Self::Disagrees,
-        }
+impl Cross<Axis> for magcomp::Axis {
+    fn cross(self) -> Axis {
+        self.into()
     }
 }
 
-impl From<HeadingAid> for magcomp::HeadingAid {
-    fn from(it: HeadingAid) -> Self {
-        use HeadingAid as It;
-        match it {
-            It::Used => Self::Used,
-            It::Leads => Self::Leads,
-            It::Disagrees => Self::Disagrees,
-        }
+impl Cross<magcomp::Axis> for Axis {
+    fn cross(self) -> magcomp::Axis {
+        self.into()
     }
+}
+
+same! {
+    Status: Status { Collecting(missing), Tracking, Suspect { since_ns }, Held(reason), Disturbed { since_ns }, Rejected(reason) }
+    Missing: Missing { Samples { have, need }, Fit(problem), Rotation, Directions }
+    HoldReason: HoldReason { LowUniformity, FitRefused(problem), Constant, AtRest, TooLittleRotation, NoGyroscope }
+    Axis: Axis { X, Y, Z }
+    RejectReason: RejectReason { NotFinite, OutOfRange { value_ut, limit_ut }, Saturated { axis, value_ut, rail_ut }, TimeNotAfter { time_ns, latest_ns }, TimeJump { gap_s, limit_s }, Stuck { repeats }, Axes { x, y, z } }
+    FitProblem: FitError { TooFewSamples { have }, Planar { thickness_ut }, PoorCoverage { direction_sigma_deg, limit_deg }, Inconsistent { residual_ut, limit_ut }, NotAnEllipsoid, FieldOutOfRange { field_ut, low_ut, high_ut }, NotFinite }
+    EventRejection: EventRejection { NotFinite, OutOfRange, Late, Duplicate, Ahead }
+    SensorMode: SensorMode { GyroscopeAndGravity, GyroscopeOnly, GravityOnly, MagnetometerOnly }
+    ModelOrder: ModelOrder { Nothing, HardIron, All, Former }
+    EventKind: EventKind { DeviceStep, DeviceStepBack, PlaceChanged }
+    HeadingAid: HeadingAid { Used, Leads, Disagrees }
 }
 
 /// A change that was decided.
@@ -588,55 +334,31 @@ impl HeadingAid {
 
 impl Axis {
     pub(crate) fn code(self) -> i32 {
-        match self {
-            Self::X => 0,
-            Self::Y => 1,
-            Self::Z => 2,
-        }
+        self as i32
     }
 }
 
 impl EventRejection {
     pub(crate) fn code(self) -> i32 {
-        match self {
-            Self::NotFinite => 1,
-            Self::OutOfRange => 2,
-            Self::Late => 3,
-            Self::Duplicate => 4,
-            Self::Ahead => 5,
-        }
+        self as i32 + 1
     }
 }
 
 impl SensorMode {
     pub(crate) fn code(self) -> i32 {
-        match self {
-            Self::GyroscopeAndGravity => 0,
-            Self::GyroscopeOnly => 1,
-            Self::GravityOnly => 2,
-            Self::MagnetometerOnly => 3,
-        }
+        self as i32
     }
 }
 
 impl ModelOrder {
     pub(crate) fn code(self) -> i32 {
-        match self {
-            Self::Nothing => 0,
-            Self::HardIron => 1,
-            Self::All => 2,
-            Self::Former => 3,
-        }
+        self as i32
     }
 }
 
 impl EventKind {
     pub(crate) fn code(self) -> i32 {
-        match self {
-            Self::DeviceStep => 0,
-            Self::DeviceStepBack => 1,
-            Self::PlaceChanged => 2,
-        }
+        self as i32
     }
 }
 

@@ -14,13 +14,12 @@ mod tuning;
 mod tunings;
 
 use crate::calibration::Calibration;
-use crate::config::{Config, Method, validate_heading};
+use crate::config::{Config, HeadingConfig, Method};
 use crate::coverage::{Coverage, Guidance};
 use crate::ellipsoid::EllipsoidFit;
 use crate::estimator::Estimator;
 use crate::estimator::answer::{Answer, Counted};
 use crate::explanation::Explanation;
-use crate::heading::HeadingConfig;
 use crate::north::North;
 use crate::range::ConfigError;
 use crate::reading::{Event, Reading, RejectReason, SensorMode, Status};
@@ -135,7 +134,7 @@ impl Compensator {
     /// # Errors
     /// [`ConfigError`] names the field that is out of range; nothing has changed then.
     pub fn set_heading(&mut self, heading: HeadingConfig) -> Result<(), ConfigError> {
-        validate_heading(&heading)?;
+        heading.validate()?;
         self.config.heading = heading;
         Ok(())
     }

@@ -21,38 +21,12 @@
 #[cfg(test)]
 mod tests;
 
+use crate::config::{ReferenceAxis, ScreenRotation};
 use crate::level::{Level, Tilt, VERTICAL};
 use crate::math::elementary::atan2;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, Vector3};
-
-/// Which axis of the device the heading is that of.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
-pub enum ReferenceAxis {
-    /// Top edge of the screen.
-    #[default]
-    TopEdge,
-    /// Back camera, -z.
-    Camera,
-    /// The horizontal direction between top edge and camera: no flip when the phone passes upright.
-    Auto,
-}
-
-/// How the screen's content is turned against the device's natural orientation, as Android's `Display.getRotation`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub enum ScreenRotation {
-    /// Natural orientation: portrait on phones.
-    #[default]
-    Deg0,
-    /// Landscape, the device turned counter-clockwise: the screen's top is the device's right edge.
-    Deg90,
-    /// Upside down.
-    Deg180,
-    /// The other landscape: the screen's top is the device's left edge.
-    Deg270,
-}
 
 impl ScreenRotation {
     /// The screen's right and top edge, as the user sees them, in the device frame.
@@ -64,33 +38,6 @@ impl ScreenRotation {
             Self::Deg90 => (-y, x),
             Self::Deg180 => (-x, -y),
             Self::Deg270 => (y, -x),
-        }
-    }
-}
-
-/// How headings are reported.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(default, deny_unknown_fields)]
-#[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
-pub struct HeadingConfig {
-    /// The axis whose heading it is. Default the top edge.
-    pub axis: ReferenceAxis,
-    /// How the screen's content is turned. Default not at all.
-    pub screen_rotation: ScreenRotation,
-    /// Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. Default none.
-    pub declination_deg: Option<f64>,
-    /// Standard deviation of `up` at rest, degrees, 0 to 90, for `heading_sigma_deg`; what motion adds to gravity comes on top
-    /// (little where a gyroscope carries `up`). Default 0.5: an accelerometer bias of 0.1 m/s^2, as phones have.
-    pub tilt_sigma_deg: f64,
-}
-
-impl Default for HeadingConfig {
-    fn default() -> Self {
-        Self {
-            axis: ReferenceAxis::TopEdge,
-            screen_rotation: ScreenRotation::Deg0,
-            declination_deg: None,
-            tilt_sigma_deg: 0.5,
         }
     }
 }

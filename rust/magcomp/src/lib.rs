@@ -92,6 +92,8 @@ pub use nalgebra;
 mod attitude;
 mod calibration;
 mod compensator;
+// made, as `status` is
+#[rustfmt::skip]
 mod config;
 mod coverage;
 mod ellipsoid;
@@ -109,6 +111,9 @@ mod reading;
 mod room;
 mod sample;
 mod sensing;
+// made, for people to read and not to edit
+#[rustfmt::skip]
+mod status;
 mod strength;
 mod tuning;
 
@@ -117,30 +122,30 @@ pub use calibration::{Calibration, CalibrationError, Disturbance, FactoryErrors}
 pub use compensator::Compensator;
 #[doc(hidden)]
 pub use compensator::Tunings;
-pub use config::{Config, Method};
+pub use config::{
+    Config, HeadingConfig, Method, Normalisation, ReferenceAxis, Residual, ScreenRotation, WindowedConfig,
+};
 pub use coverage::{CELLS, Coverage};
 pub use ellipsoid::{
-    EllipsoidFit, FitError, FitOptions, Moments, Residual, SMALLEST_SAMPLE_COUNT, Termination, direction_sigma_deg,
-    fit_ellipsoid,
+    EllipsoidFit, FitOptions, Moments, SMALLEST_SAMPLE_COUNT, Termination, direction_sigma_deg, fit_ellipsoid,
 };
-pub use estimator::paper::{ConstantField, Normalisation, WindowedConfig, uniformity, window_length};
+pub use estimator::paper::{ConstantField, uniformity, window_length};
 pub use explanation::{
     ChangeHypothesis, ChangeKind, EXPLAINED_HYPOTHESES, Estimator, EstimatorPhase, Explanation, InnovationTest,
     NoiseLevels, OutsideTest, SampleUse,
 };
-pub use heading::{
-    Heading, HeadingConfig, ReferenceAxis, ScreenRotation, heading, heading_sigma_deg, true_heading_deg,
-};
+pub use heading::{Heading, heading, heading_sigma_deg, true_heading_deg};
 pub use kept::{CalibrationSource, KEPT_VERSION, KeptCalibration, KeptError};
 pub use range::ConfigError;
-pub use reading::{
-    Axis, Event, EventKind, HeadingAid, HoldReason, Missing, ModelOrder, Reading, RejectReason, SensorMode, Status,
-};
+pub use reading::{Event, Reading};
 pub use sample::{
     AttitudeSample, HeadedAxis, HeadingSample, MagneticSample, NorthReference, RotationRateSample, UpSample, Yaw,
 };
 pub use sensing::order::{EventQueue, SensorEvent};
-pub use sensing::pairing::EventRejection;
+pub use status::{
+    Axis, EventKind, EventRejection, FitError, HeadingAid, HoldReason, Missing, ModelOrder, RejectReason, SensorMode,
+    Status,
+};
 #[doc(hidden)]
 pub use tuning::{Choice, Mechanism};
 

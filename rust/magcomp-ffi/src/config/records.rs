@@ -2,15 +2,24 @@
 //! The settings' records and their conversions: what was left out becomes the core's default.
 
 // one way to write a member, whichever struct of the core's it is in
-#![allow(clippy::derivable_impls, clippy::field_reassign_with_default)]
+#![allow(clippy::field_reassign_with_default)]
 
-use super::choices::{Method, Normalisation, Residual, size};
+use crate::choices::{Method, ReferenceAxis, ScreenRotation, Residual, Normalisation};
 use crate::convert::count;
 use crate::error::MagcompError;
-use crate::record::{Calibration, ReferenceAxis, ScreenRotation};
+use crate::record::Calibration;
 
-/// All settings of a compensator. A setting left out has the library's default; `default_config()` shows them all.
-#[derive(Clone, Debug, PartialEq, uniffi::Record)]
+/// A count of the core's; `field` is where it stands in the config.
+fn size(field: &str, n: i32) -> Result<usize, MagcompError> {
+    usize::try_from(n).map_err(|_| MagcompError::Config {
+        field: field.to_owned(),
+        value: n.to_string(),
+        expected: "0 or above".to_owned(),
+    })
+}
+
+/// All settings of a compensator. A setting left out has its default. `default_config()` shows them all.
+#[derive(Clone, Debug, Default, PartialEq, uniffi::Record)]
 pub struct Config {
     /// How the hard and soft iron are estimated. Default `Auto`.
     #[uniffi(default = None)]
@@ -58,16 +67,6 @@ impl From<magcomp::Config> for Config {
     }
 }
 
-impl Default for Config {
-    fn default() -> Self {
-        Self {
-            heading: Some(HeadingConfig::default()),
-            windowed: Some(WindowedConfig::default()),
-            ..magcomp::Config::default().into()
-        }
-    }
-}
-
 impl TryFrom<Config> for magcomp::Config {
     type Error = MagcompError;
     fn try_from(it: Config) -> Result<Self, MagcompError> {
@@ -92,12 +91,12 @@ impl TryFrom<Config> for magcomp::Config {
 }
 
 /// How headings are reported. A field left out is the default.
-#[derive(Clone, Debug, PartialEq, uniffi::Record)]
+#[derive(Clone, Debug, Default, PartialEq, uniffi::Record)]
 pub struct HeadingConfig {
     /// The axis whose heading it is. Default `Auto`.
     #[uniffi(default = None)]
     pub axis: Option<ReferenceAxis>,
-    /// How the screen's content is turned. Default not at all.
+    /// How the screen's content is turned against the device. Default `Deg0`, not at all.
     #[uniffi(default = None)]
     pub screen_rotation: Option<ScreenRotation>,
     /// Declination, degrees, east positive, -180 to 180: gives `true_heading_deg`. Default none.
@@ -120,15 +119,6 @@ impl From<magcomp::HeadingConfig> for HeadingConfig {
     }
 }
 
-impl Default for HeadingConfig {
-    fn default() -> Self {
-        Self {
-            axis: Some(ReferenceAxis::Auto),
-            ..magcomp::HeadingConfig::default().into()
-        }
-    }
-}
-
 impl TryFrom<HeadingConfig> for magcomp::HeadingConfig {
     type Error = MagcompError;
     fn try_from(it: HeadingConfig) -> Result<Self, MagcompError> {
@@ -145,13 +135,13 @@ impl TryFrom<HeadingConfig> for magcomp::HeadingConfig {
     }
 }
 
-/// The paper's method. A field left out is the default.
-#[derive(Clone, Debug, PartialEq, uniffi::Record)]
+/// The paper's method (section IV, fig. 3). A field left out is the default.
+#[derive(Clone, Debug, Default, PartialEq, uniffi::Record)]
 pub struct WindowedConfig {
-    /// N_min, samples, 9 to N_max: the shortest window. Default 100.
+    /// N_min, samples, 9 to N_max: the shortest window, and what sigma_T looks at. Default 100; smaller follows changes sooner with more noise.
     #[uniffi(default = None)]
     pub n_min: Option<i32>,
-    /// N_max, samples, at most 100 000: the longest window. Default 2000.
+    /// N_max, samples, at most 100 000: the longest window. Default 2000; larger is steadier under poor motion and slower to forget.
     #[uniffi(default = None)]
     pub n_max: Option<i32>,
     /// sigma_th, dimensionless, 0 to 10: below it nothing is updated. Default 0.1.
@@ -178,14 +168,6 @@ impl From<magcomp::WindowedConfig> for WindowedConfig {
             normalisation: Some(normalisation.into()),
             residual: Some(residual.into()),
             noise_floor_ut: Some(noise_floor_ut),
-        }
-    }
-}
-
-impl Default for WindowedConfig {
-    fn default() -> Self {
-        Self {
-            ..magcomp::WindowedConfig::default().into()
         }
     }
 }
@@ -217,7 +199,7 @@ impl TryFrom<WindowedConfig> for magcomp::WindowedConfig {
 }
 
 /// What a fit accepts and how it iterates. A field left out is the default.
-#[derive(Clone, Debug, PartialEq, uniffi::Record)]
+#[derive(Clone, Debug, Default, PartialEq, uniffi::Record)]
 pub struct FitOptions {
     /// The residual that a fit squares and sums. Default `Corrected`.
     #[uniffi(default = None)]
@@ -261,14 +243,6 @@ impl From<magcomp::FitOptions> for FitOptions {
             max_residual_share: Some(max_residual_share),
             max_iterations: Some(count(max_iterations)),
             tolerance: Some(tolerance),
-        }
-    }
-}
-
-impl Default for FitOptions {
-    fn default() -> Self {
-        Self {
-            ..magcomp::FitOptions::default().into()
         }
     }
 }

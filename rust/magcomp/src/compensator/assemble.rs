@@ -2,8 +2,9 @@
 
 use super::Compensator;
 use crate::attitude::{self, Attitude};
+use crate::config::HeadingConfig;
 use crate::estimator::answer::{Answer, KnownNorth};
-use crate::heading::{self, Heading, HeadingConfig, true_heading_deg};
+use crate::heading::{self, Heading, true_heading_deg};
 use crate::level::{Level, Tilt};
 use crate::math::elementary::hypot;
 use crate::reading::{Reading, Status};

@@ -12,8 +12,9 @@
 #[cfg(test)]
 mod tests;
 
-use super::options::{FitOptions, Residual};
+use super::options::FitOptions;
 use super::start::{Shape, closed_form};
+use crate::config::Residual;
 use crate::math::descend::{Cost, Derivatives, Descent, Limits, Step, descend};
 use crate::math::symmetric::{PLACES, six};
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};

@@ -5,10 +5,11 @@ mod tests;
 
 use super::cost::{Problem, Solution};
 use super::moments::Moments;
-use super::options::{FitError, FitOptions, SMALLEST_SAMPLE_COUNT};
+use super::options::{FitOptions, SMALLEST_SAMPLE_COUNT};
 use super::report::EllipsoidFit;
 use super::start::{Shape, closed_form};
 use crate::calibration::Calibration;
+use crate::status::FitError;
 use nalgebra::Vector3;
 
 /// Batch fit of a slice of raw samples, uT (section III of the paper).

@@ -9,8 +9,9 @@ mod report;
 mod start;
 
 pub use crate::math::descend::Termination;
+pub(crate) use crate::status::FitError;
 pub use fit::fit_ellipsoid;
 pub use moments::Moments;
-pub use options::{FitError, FitOptions, Residual, SMALLEST_SAMPLE_COUNT};
+pub use options::{FitOptions, SMALLEST_SAMPLE_COUNT};
 pub(crate) use report::mean_square_angle;
 pub use report::{EllipsoidFit, direction_sigma_deg};

@@ -1,21 +1,11 @@
-//! What a fit accepts, and why it refuses.
+//! What a fit accepts.
 
 use crate::calibration::EARTH_FIELD_UT;
+use crate::config::Residual;
 use crate::priors::OF_USE_DEG;
 
 /// Mathematics: nine parameters need nine samples.
 pub const SMALLEST_SAMPLE_COUNT: usize = 9;
-
-/// What is squared and summed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub enum Residual {
-    /// Eq. (10) as written. Biased in scale by about 3 nu^2 (nu: noise over field strength), and in everything when the
-    /// sphere is only partly covered.
-    Algebraic,
-    /// Divided by its own gradient: a distance in raw units, free of the noise bias. The default.
-    #[default]
-    Corrected,
-}
 
 /// What a fit accepts and how it iterates.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -59,62 +49,4 @@ impl Default for FitOptions {
             tolerance: 1e-10,
         }
     }
-}
-
-/// Why there is no ellipsoid to report.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, thiserror::Error)]
-#[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
-pub enum FitError {
-    /// Fewer samples than parameters.
-    #[error("{have} samples are too few for an ellipsoid: {SMALLEST_SAMPLE_COUNT} are needed, more are better")]
-    TooFewSamples {
-        /// How many there are.
-        have: usize,
-    },
-    /// All samples lie near one plane, as they do when the device turns about a single axis or not at all.
-    #[error("samples lie within {thickness_ut:.2} uT of one plane; turn the device about a second axis")]
-    Planar {
-        /// Standard deviation of the samples across their thinnest direction, uT.
-        thickness_ut: f64,
-    },
-    /// The directions do not determine the ellipsoid well enough.
-    #[error(
-        "predicted direction error {direction_sigma_deg:.1} deg exceeds {limit_deg:.1} deg; turn the device to more directions"
-    )]
-    PoorCoverage {
-        /// Predicted rms direction error, degrees.
-        direction_sigma_deg: f64,
-        /// The limit it exceeds, degrees.
-        limit_deg: f64,
-    },
-    /// The samples do not lie on one ellipsoid.
-    #[error(
-        "samples lie {residual_ut:.1} uT off the best ellipsoid, more than {limit_ut:.1} uT; the disturbance or the place changed meanwhile"
-    )]
-    Inconsistent {
-        /// Residual rms, uT.
-        residual_ut: f64,
-        /// The limit it exceeds, uT.
-        limit_ut: f64,
-    },
-    /// The best quadric is not an ellipsoid.
-    #[error(
-        "samples are fitted best by a surface that is no ellipsoid; the disturbance changed meanwhile, or too few directions were seen"
-    )]
-    NotAnEllipsoid,
-    /// The field is too weak or too strong to be the Earth's.
-    #[error(
-        "field strength {field_ut:.1} uT is outside {low_ut:.1} to {high_ut:.1} uT; the place is disturbed or the sensor's unit is not microtesla"
-    )]
-    FieldOutOfRange {
-        /// Strength found, uT: the geometric mean of the half axes, or |m| with the gyroscope.
-        field_ut: f64,
-        /// Smallest accepted, uT.
-        low_ut: f64,
-        /// Largest accepted, uT.
-        high_ut: f64,
-    },
-    /// A sample was NaN or infinite, or the numbers overflowed.
-    #[error("a sample is not finite; leave out NaN and infinite values")]
-    NotFinite,
 }

@@ -9,12 +9,13 @@ mod tests;
 
 use super::cost::{Candidate, Problem, Solution};
 use super::moments::Moments;
-use super::options::{FitError, FitOptions, SMALLEST_SAMPLE_COUNT};
+use super::options::{FitOptions, SMALLEST_SAMPLE_COUNT};
 use crate::calibration::Calibration;
 use crate::math::descend::{Descent, Termination};
 use crate::math::elementary::cbrt;
 use crate::math::symmetric::{basis, six};
 use crate::priors::BEYOND_CHANCE;
+use crate::status::FitError;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3};

@@ -2,8 +2,9 @@
 //! N_min samples, and the predicted error of a corrected direction. Both are of the calibration that is in force then.
 
 use super::answer::{Answer, Counted, Known};
-use super::paper::{WindowedConfig, evenness};
+use super::paper::evenness;
 use crate::calibration::Calibration;
+use crate::config::WindowedConfig;
 use crate::ellipsoid::direction_sigma_deg;
 use crate::room::Roomy;
 use crate::sample::{MagneticSample, seconds};

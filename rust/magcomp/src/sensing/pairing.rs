@@ -16,6 +16,7 @@ mod tests;
 
 use crate::math::elementary::{gain, quaternion, rotation_vector};
 use crate::sample::seconds;
+pub(crate) use crate::status::EventRejection;
 use arrayvec::ArrayVec;
 use core::mem::take;
 #[cfg(not(feature = "std"))]
@@ -36,28 +37,6 @@ const MAX_UP_M_S2: f64 = 200.0;
 /// Limit: an event further ahead of the newest magnetometer sample is from another clock, s: a system holds no sensor back for so long while it
 /// delivers another.
 pub(crate) const MAX_LEAD_S: f64 = 10.0;
-
-/// Why an event was not taken. The state is as if it had never come.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
-pub enum EventRejection {
-    /// A component is NaN or infinite.
-    #[error("event holds a value that is not finite")]
-    NotFinite,
-    /// The magnitude is beyond anything the sensor can read.
-    #[error("event is beyond the sensor's range")]
-    OutOfRange,
-    /// The time is at or before a magnetometer sample already paired: that rotation has been handed out. Of a heading: it is more than 5 s old,
-    /// or not after the latest one that was used.
-    #[error("event is older than the last magnetometer sample paired")]
-    Late,
-    /// An event with this very time is there already.
-    #[error("an event with the same time is already there")]
-    Duplicate,
-    /// The time is so far ahead of the magnetometer that it must be from another clock.
-    #[error("event lies too far ahead of the magnetometer; is it from another clock?")]
-    Ahead,
-}
 
 /// What the inertial sensors say about the time of one magnetometer sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

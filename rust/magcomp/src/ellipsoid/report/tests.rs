@@ -1,7 +1,8 @@
 //! Against finite differences, an even sphere and numbers by hand.
 
 use super::*;
-use crate::ellipsoid::{Residual, fit_ellipsoid};
+use crate::config::Residual;
+use crate::ellipsoid::fit_ellipsoid;
 use crate::math::symmetric::symmetric;
 use nalgebra::{SVector, Vector6};
 

@@ -7,9 +7,8 @@ mod uniformity;
 mod window;
 mod windowed;
 
-pub use config::WindowedConfig;
 pub use constant::ConstantField;
 pub(crate) use uniformity::evenness;
-pub use uniformity::{Normalisation, uniformity};
+pub use uniformity::uniformity;
 pub use window::window_length;
 pub(crate) use windowed::Windowed;

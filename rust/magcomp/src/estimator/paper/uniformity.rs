@@ -9,22 +9,12 @@
 mod tests;
 
 use crate::calibration::Calibration;
+use crate::config::Normalisation;
 use crate::math::elementary::{atan2, hypot};
 use core::f64::consts::SQRT_2;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField as _;
 use nalgebra::Vector3;
-
-/// What the standard deviations in (15) are divided by.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub enum Normalisation {
-    /// sigma_phi / 180 deg, sigma_theta / 90 deg: even orientations give 0.723 (and so N = 626 of 100 to 2000, near
-    /// the transient of about 700 samples in the paper's fig. 4). The default.
-    #[default]
-    HalfRange,
-    /// Each divided by sqrt(2) times its value for an even sphere: even orientations give exactly 1.
-    EvenSphere,
-}
 
 /// Mathematics: standard deviation of phi on an even sphere, 180 / sqrt(3) deg, times sqrt(2).
 const EVEN_PHI_DEG: f64 = 103.923_048_454_132_64 * SQRT_2;

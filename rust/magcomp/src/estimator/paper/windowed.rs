@@ -12,10 +12,10 @@
 #[cfg(test)]
 mod tests;
 
-use super::config::WindowedConfig;
 use super::uniformity::{Evenness, evenness};
 use super::window::{Window, window_length};
 use crate::calibration::{Calibration, UNEVEN_UT, calibration_covariance};
+use crate::config::WindowedConfig;
 use crate::ellipsoid::{EllipsoidFit, FitError};
 use crate::estimator::answer::{Answer, Counted, Known};
 use crate::explanation::{EXPLAINED_HYPOTHESES, Estimator, EstimatorPhase, Explanation, NoiseLevels, SampleUse};
