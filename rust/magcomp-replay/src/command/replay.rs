@@ -47,6 +47,7 @@ const CHUNK: usize = 4096;
 /// system's" are what those fields would give with the reference's own horizon, on the rows that have a corrected sample.
 /// Without a reference: total field and dip, mean and spread (standard deviation), against what the Earth has (--place: there); and how
 /// far the field swings within a full turn of at most a minute, by the gyroscope.
+#[allow(rustdoc::broken_intra_doc_links, reason = "columns in brackets may be missing; it is the help")]
 #[derive(Debug, Args)]
 #[command(allow_negative_numbers = true)]
 pub struct Replay {
