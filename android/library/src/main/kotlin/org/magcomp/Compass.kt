@@ -308,13 +308,13 @@ public class Compass internal constructor(
      * exception from the listener's `onReading` ends its readings, as every other error does, and goes to its `onEnd`.
      */
     public fun start(executor: Executor, listener: CompassReadingListener): CompassHandle =
-        listening(executor, { _, error -> listener.onEnd(error) }) {
+        handover.listening(executor, { _, error -> listener.onEnd(error) }) {
             shared.collected(MOST_WAITING, isBrief = true).collect { executor.call(handover) { listener.onReading(it) } }
         }
 
     /** The same for a screen: one that is slower gets the latest reading alone. */
     public fun start(executor: Executor, listener: HeadingListener): CompassHandle =
-        listening(executor, { _, error -> listener.onEnd(error) }) {
+        handover.listening(executor, { _, error -> listener.onEnd(error) }) {
             shared.collected(capacity = 1, isBrief = true).collect { executor.call(handover) { listener.onHeading(CompassReading(it)) } }
         }
 
@@ -325,11 +325,11 @@ public class Compass internal constructor(
      * @param worstSigmaDeg the largest standard deviation that will do, degrees, above 0
      */
     public fun heading(withinMs: Long, worstSigmaDeg: Double, executor: Executor, callback: HeadingCallback): CompassHandle =
-        listening(executor, callback::onHeading) { heading(withinMs.milliseconds, worstSigmaDeg) }
+        handover.listening(executor, callback::onHeading) { heading(withinMs.milliseconds, worstSigmaDeg) }
 
     /** Records for Java, as the other `record`, until the answer is closed, the source ends, or 100 MB are written. */
     public fun record(file: File, executor: Executor, callback: RecordingCallback): CompassHandle =
-        listening(executor, { _, error -> callback.onEnd(file, error) }, isToldOfClosing = true) { record(file) }
+        handover.listening(executor, { _, error -> callback.onEnd(file, error) }, isToldOfClosing = true) { record(file) }
 
     /**
      * Ends the readings of every collector, releases the sensors, saves the calibration and frees the estimator, in the background.

@@ -59,11 +59,12 @@ public class CompassHandle internal constructor(private val end: () -> Unit) : A
 
 /**
  * Does [what] for a listener, and gives [end] what it answered, or the error, on the executor. Closing ends it at once, whatever the executor does.
+ * No thread that delivers calls [end].
  *
  * @param isToldOfClosing whether [end] gets neither when the handle was closed; else it is not called then
  */
 @OptIn(ExperimentalCoroutinesApi::class) // getCompleted
-internal fun <T> listening(executor: Executor, end: (T?, Exception?) -> Unit, isToldOfClosing: Boolean = false, what: suspend () -> T): CompassHandle {
+internal fun <T> Handover.listening(executor: Executor, end: (T?, Exception?) -> Unit, isToldOfClosing: Boolean = false, what: suspend () -> T): CompassHandle {
     val isClosed = AtomicBoolean()
     // it hands over to the executor and does no work of its own: so no work of others holds it up
     val work = CoroutineScope(Dispatchers.Unconfined).async { what() }
@@ -71,9 +72,9 @@ internal fun <T> listening(executor: Executor, end: (T?, Exception?) -> Unit, is
         val told = if (isClosed.get()) null else error?.asException()
         val answer = if (error == null) work.getCompleted() else null
         try {
-            executor.execute { if (isToldOfClosing || !isClosed.get()) end(answer, told) }
+            executor.execute { run { if (isToldOfClosing || !isClosed.get()) end(answer, told) } }
         } catch (e: RejectedExecutionException) {
-            if (isToldOfClosing || !isClosed.get()) end(answer, told ?: e)
+            run { if (isToldOfClosing || !isClosed.get()) end(answer, told ?: e) }
         }
     }
     return CompassHandle {

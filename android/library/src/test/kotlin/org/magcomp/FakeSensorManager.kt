@@ -34,6 +34,9 @@ class FakeSensorManager(vararg types: Int, hardIron: Boolean = true, fullScaleUt
     val most = AtomicInteger()
     var refuse: Int? = null
 
+    /** Called when a listener is about to be unregistered. */
+    var unregistering: () -> Unit = {}
+
     /** The clock that counts sleep, when an event is delivered, ns. */
     @Volatile
     var continuousNs = 0L
@@ -112,6 +115,7 @@ class FakeSensorManager(vararg types: Int, hardIron: Boolean = true, fullScaleUt
     }
 
     override fun unregisterListenerImpl(listener: SensorEventListener, sensor: Sensor?) {
+        unregistering()
         registrations.removeIf { it.listener === listener && (sensor == null || it.sensor === sensor) }
     }
 

@@ -1,6 +1,8 @@
 package org.magcomp
 
 import android.hardware.Sensor
+import android.hardware.SensorEvent
+import android.hardware.SensorEventListener
 import android.hardware.SensorManager
 import java.util.concurrent.CopyOnWriteArrayList
 import java.util.concurrent.locks.LockSupport
@@ -120,6 +122,30 @@ class SensorManagerSourceTest {
         assertTrue("let the app use" in forbidden.message!!, forbidden.message)
         val refused = fails(FakeSensorManager(*all).apply { refuse = Sensor.TYPE_GRAVITY }) as SensorException.Refused
         assertEquals("gravity sensor", refused.sensor)
+    }
+
+    @Test
+    fun `a start that fails calls its taker no more`() {
+        val sensors = FakeSensorManager(*all).apply { refuse = Sensor.TYPE_GRAVITY }
+        val taken = ArrayList<Long>()
+        val taker = object : EventTaker {
+            override fun take(event: RawEvent) {
+                taken += event.timeNs
+            }
+
+            override fun failed(error: Throwable) = throw error
+        }
+        fun deliver() = sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, 1 + taken.size.toLong(), 1f, 2f, 3f)
+        var listener: SensorEventListener? = null
+        sensors.unregistering = {
+            listener = sensors.registrations.single().listener
+            // what was on its way
+            deliver()
+        }
+        assertThrows(SensorException.Refused::class.java) { runBlocking { sensors.source().deliverOnTheirThread(taker) } }
+        // an event that the thread had before it ended
+        listener!!.onSensorChanged(SensorEvent(sensors.getDefaultSensor(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED)!!, 0, 9, floatArrayOf(1f, 2f, 3f)))
+        assertEquals(emptyList<Long>(), taken)
     }
 
     @Test

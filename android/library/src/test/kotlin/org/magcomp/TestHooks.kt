@@ -49,7 +49,7 @@ object PreloadMain {
     fun main(arguments: Array<String>) {
         print(if (isLoaded()) "loaded, " else "not loaded, ")
         repeat(2) { Compass.preload() }
-        for (look in 1..2000) if (isLoaded()) break else Thread.sleep(10)
+        for (look in 1..12_000) if (isLoaded()) break else Thread.sleep(10)
         println(if (isLoaded()) "loaded" else "not loaded")
     }
 }
