@@ -1,5 +1,5 @@
 // made by bindings/generate.sh from bindings/status.toml and bindings/reading.toml
-package org.magcomp
+package org.magcomp.core
 
 {% macro whole(field) %}
 whole(slots, at + WHOLE{{ " + " ~ 2 * field.place if field.place }})

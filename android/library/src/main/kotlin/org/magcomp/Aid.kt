@@ -8,6 +8,7 @@ import kotlin.math.abs
 import kotlin.math.atan2
 import kotlin.math.hypot
 import kotlin.math.sqrt
+import org.magcomp.core.*
 
 /**
  * The direction in which a walker holds a phone ahead, for [Compass.aid]: between top edge and back camera, so that it points ahead whether the

@@ -1,5 +1,7 @@
 package org.magcomp
 
+import org.magcomp.core.*
+
 /**
  * What the estimator answered to a sample. Kept as numbers, which take less than half of the records' room; a record is made when it is
  * first asked for. Two threads may make one each, which are equal.

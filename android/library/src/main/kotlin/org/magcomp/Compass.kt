@@ -27,6 +27,7 @@ import kotlinx.coroutines.flow.onEach
 import kotlinx.coroutines.flow.stateIn
 import kotlinx.coroutines.flow.update
 import kotlinx.coroutines.withTimeoutOrNull
+import org.magcomp.core.*
 
 /**
  * A compass from a phone's own sensors: `Compass(context).readings().collect { ... }`.
@@ -180,7 +181,9 @@ public class Compass internal constructor(
         require(within > Duration.ZERO) { "within is $within, expected above 0" }
         require(worstSigmaDeg > 0) { "worstSigmaDeg is $worstSigmaDeg, expected above 0" }
         var latest: CompassReading? = null
-        val found = withTimeoutOrNull(within) { headings().onEach { latest = it }.firstOrNull { (it.headingSigmaDeg ?: return@firstOrNull false) <= worstSigmaDeg } }
+        val found = withTimeoutOrNull(within) {
+            headings().onEach { latest = it }.firstOrNull { (it.headingSigmaDeg ?: return@firstOrNull false) <= worstSigmaDeg }
+        }
         return found ?: latest
     }
 

@@ -1,6 +1,7 @@
 package org.magcomp
 
 import android.content.res.Resources
+import org.magcomp.core.*
 
 /**
  * What most apps show of a reading. It has neither `copy` nor components, so later versions may add properties and break nobody.

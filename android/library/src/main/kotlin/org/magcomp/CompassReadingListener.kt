@@ -10,6 +10,7 @@ import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.ExperimentalCoroutinesApi
 import kotlinx.coroutines.async
 import kotlinx.coroutines.suspendCancellableCoroutine
+import org.magcomp.core.*
 
 /** What a Java app implements to get readings. */
 public interface CompassReadingListener {

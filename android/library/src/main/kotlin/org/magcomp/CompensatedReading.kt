@@ -1,5 +1,7 @@
 package org.magcomp
 
+import org.magcomp.core.*
+
 /**
  * The answer to one magnetometer sample, as collectors get it. It never changes.
  *
@@ -49,9 +51,6 @@ public class CompensatedReading internal constructor(
 
     /** The raw sample it answers. Made when it is first asked for. */
     public val sample: MagneticSample get() = answer.sample
-
-    /** The [reading], for `{ (reading) -> ... }`. */
-    public operator fun component1(): MagneticReading = reading
 
     /** Whether it tells that there are no samples. It is true until the next reading. */
     internal val isSilence: Boolean get() = (stream as? StreamStatus.Silent)?.sensors?.contains(PhoneSensor.MAGNETOMETER) == true

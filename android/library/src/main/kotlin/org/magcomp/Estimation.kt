@@ -3,6 +3,7 @@ package org.magcomp
 import kotlin.math.abs
 import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.flow.StateFlow
+import org.magcomp.core.*
 
 /**
  * A compensator with what surrounds it: a store, a heading frame, guidance. One thread at a time, but for [save].

@@ -3,6 +3,7 @@
 package org.magcomp
 
 import android.view.Surface
+import org.magcomp.core.*
 
 /**
  * The heading frame for a screen as Android reports it.

@@ -4,6 +4,7 @@ package org.magcomp
 
 import kotlin.math.asin
 import kotlin.math.atan2
+import org.magcomp.core.*
 
 /**
  * The attitude as Android's `SensorManager.getRotationMatrix` writes it: nine numbers, row by row, which take a vector of the device to

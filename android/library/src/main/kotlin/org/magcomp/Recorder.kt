@@ -143,7 +143,8 @@ private class Rows(private val out: OutputStream, private val mostBytes: Long, p
 
     private fun about(): String {
         val used = sensors?.run {
-            listOfNotNull(magnetometer to "magnetometer", up to "up", gyroscope to "gyroscope").mapNotNull { (sensor, name) -> sensor?.let { "$name ${it.name} of ${it.vendor}" } }
+            listOf(magnetometer to "magnetometer", up to "up", gyroscope to "gyroscope")
+                .mapNotNull { (sensor, name) -> sensor?.let { "$name ${it.name} of ${it.vendor}" } }
         }
         val all = listOf("magcomp $VERSION", "${Build.MANUFACTURER} ${Build.MODEL}, Android ${Build.VERSION.RELEASE}") + used.orEmpty()
         return "\"${all.joinToString("; ").filter { it in ' '..'~' }.take(LONGEST_ABOUT).replace("\"", "\"\"")}\""

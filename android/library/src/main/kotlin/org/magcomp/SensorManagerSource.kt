@@ -13,6 +13,7 @@ import kotlinx.coroutines.flow.StateFlow
 import kotlinx.coroutines.flow.asStateFlow
 import kotlinx.coroutines.flow.flow
 import kotlinx.coroutines.flow.map
+import org.magcomp.core.*
 
 /**
  * The phone's own sensors: the uncalibrated magnetometer (the calibrated one where there is no other), gravity (else

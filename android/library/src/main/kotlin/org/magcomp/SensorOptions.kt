@@ -1,6 +1,7 @@
 package org.magcomp
 
 import android.hardware.Sensor
+import org.magcomp.core.*
 
 /**
  * How the phone's sensors are asked.
@@ -18,7 +19,7 @@ import android.hardware.Sensor
  * @property magnetometerRateHz the same as [rateHz] for the magnetometer alone, which is how many readings come: fewer save work, and
  *   what the gyroscope tells between two of them still counts. Default null: [rateHz]
  */
-public data class SensorOptions @JvmOverloads constructor(
+public class SensorOptions @JvmOverloads constructor(
     public val rateHz: Int = 100,
     public val maxReportLatencyUs: Int = 0,
     public val gyroscope: Boolean = true,

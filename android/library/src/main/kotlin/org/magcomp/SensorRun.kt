@@ -7,6 +7,7 @@ import android.hardware.SensorManager
 import kotlinx.coroutines.flow.MutableStateFlow
 import kotlinx.coroutines.flow.update
 import kotlinx.coroutines.flow.updateAndGet
+import org.magcomp.core.*
 
 /** Gets the events of a run: one call at a time, on the sensors' thread. */
 internal interface EventTaker {

@@ -1,5 +1,7 @@
 package org.magcomp
 
+import org.magcomp.core.*
+
 /**
  * The phone's sensors that are used.
  *

@@ -1,5 +1,7 @@
 package org.magcomp
 
+import org.magcomp.core.*
+
 /** A sensor of the phone that a heading is made of. */
 public enum class PhoneSensor {
     /** The uncalibrated magnetometer, else the calibrated one. */

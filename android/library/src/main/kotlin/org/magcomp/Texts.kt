@@ -5,6 +5,7 @@ package org.magcomp
 import android.content.res.Resources
 import kotlin.math.ceil
 import kotlin.math.roundToInt
+import org.magcomp.core.*
 
 /**
  * One sentence an app may show, in the language of [resources]; an app translates or rewords it with a string resource of the

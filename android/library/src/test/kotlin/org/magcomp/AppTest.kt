@@ -19,6 +19,7 @@ import org.junit.jupiter.api.Assertions.assertNotNull
 import org.junit.jupiter.api.Assertions.assertThrows
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
+import org.magcomp.core.*
 
 /** The constructors an app uses, over a stand-in of its context. */
 class AppTest {
@@ -136,7 +137,8 @@ class AppTest {
 
     @Test
     fun `preloading loads the native library, in the background, once`() {
-        val said = inProcessOfItsOwn("org.magcomp.PreloadMain", options = listOf("java.library.path", "jna.library.path").map { "-D$it=${System.getProperty(it)}" })
+        val options = listOf("java.library.path", "jna.library.path").map { "-D$it=${System.getProperty(it)}" }
+        val said = inProcessOfItsOwn("org.magcomp.PreloadMain", options = options)
         assertEquals("not loaded, loaded", said.trim())
     }
 
@@ -218,7 +220,10 @@ object WithoutLibrary {
         "defaultConfig" to { defaultConfig() },
         "text" to { CompensationStatus.Tracking.text() },
         "MagcompException.text" to { MagcompException.Closed().text() },
-        "correct" to { correct(MagnetometerCalibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), DeviceVector(0.0, 0.0, 0.0), 50.0), DeviceVector(0.0, 0.0, 0.0)) },
+        "correct" to {
+            val nowhere = DeviceVector(0.0, 0.0, 0.0)
+            correct(MagnetometerCalibration(SoftIron(1.0, 1.0, 1.0, 0.0, 0.0, 0.0), nowhere, 50.0), nowhere)
+        },
         "heading" to { heading(DeviceVector(0.0, 20.0, -40.0), DeviceVector(0.0, 0.0, 1.0), headingFrame(0)) ?: "none" },
         "calibrationFromJson" to {
             calibrationFromJson("""{"soft_iron": [1, 0, 0, 0, 1, 0, 0, 0, 1], "hard_iron_ut": [0, 0, 0], "field_strength_ut": 50}""")

@@ -23,6 +23,7 @@ import org.junit.jupiter.api.Assertions.assertNotNull
 import org.junit.jupiter.api.Assertions.assertNotSame
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
+import org.magcomp.core.*
 
 /** An app's code that blocks, throws or leaves no dispatcher free holds up nobody else. */
 class ForeignCodeTest {

@@ -8,6 +8,7 @@ import kotlin.concurrent.thread
 import org.junit.jupiter.api.Assertions.assertEquals
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
+import org.magcomp.core.*
 
 class LimitsTest {
     private val values = tumbling(1000)

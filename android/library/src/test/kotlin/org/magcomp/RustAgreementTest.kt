@@ -8,6 +8,7 @@ import org.junit.jupiter.api.Assertions.assertEquals
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
 import java.io.File
+import org.magcomp.core.*
 
 /** Rust's numbers, uniffi's and JNI's are the same, bit for bit; `examples/expected.rs` wrote Rust's. */
 class RustAgreementTest {

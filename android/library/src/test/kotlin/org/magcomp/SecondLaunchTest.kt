@@ -25,6 +25,7 @@ import org.junit.jupiter.api.Assertions.assertNotNull
 import org.junit.jupiter.api.Assertions.assertNull
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
+import org.magcomp.core.*
 
 /** A compass is closed and opened again, through its store: what it says while the phone lies still. */
 class SecondLaunchTest {

@@ -23,6 +23,7 @@ import org.junit.jupiter.api.Assertions.assertEquals
 import org.junit.jupiter.api.Assertions.assertThrows
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
+import org.magcomp.core.*
 
 class SensorManagerSourceTest {
     private val all = intArrayOf(
@@ -234,7 +235,8 @@ class SensorManagerSourceTest {
     @Test
     fun `the hard iron is that of its event, whichever number changes`() = runBlocking {
         val sensors = FakeSensorManager(*all)
-        val told = listOf(DeviceVector(1.0, 2.0, 3.0), DeviceVector(1.0, 2.0, 3.0), DeviceVector(4.0, 2.0, 3.0), DeviceVector(4.0, 5.0, 3.0), DeviceVector(4.0, 5.0, 6.0), null)
+        val first = DeviceVector(1.0, 2.0, 3.0)
+        val told = listOf(first, first, first.copy(x = 4.0), DeviceVector(4.0, 5.0, 3.0), DeviceVector(4.0, 5.0, 6.0), null)
         val samples = collectWhile(sensors, sensors.source(), told.size) {
             told.forEachIndexed { k, it -> sensors.deliver(SensorSample.Magnetic(MagneticSample(k + 1L, DeviceVector(7.0, 8.0, 9.0), it))) }
         }

@@ -4,10 +4,10 @@ import android.location.Location
 import android.os.SystemClock
 import org.magcomp.Compass
 import org.magcomp.HELD_AHEAD
-import org.magcomp.HeadedAxis
-import org.magcomp.HeadingSample
-import org.magcomp.NorthReference
-import org.magcomp.DeviceVector
+import org.magcomp.core.HeadedAxis
+import org.magcomp.core.HeadingSample
+import org.magcomp.core.NorthReference
+import org.magcomp.core.DeviceVector
 import org.magcomp.arCoreAttitude
 
 // what follows is in android/GUIDE.md; ReadmeTest compares them

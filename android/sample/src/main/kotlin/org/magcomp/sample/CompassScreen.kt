@@ -28,7 +28,7 @@ import androidx.compose.ui.text.style.TextAlign
 import androidx.compose.ui.unit.TextUnit
 import androidx.compose.ui.unit.dp
 import androidx.compose.ui.unit.sp
-import org.magcomp.DeviceVector
+import org.magcomp.core.DeviceVector
 import org.magcomp.compose.CompassRose
 import org.magcomp.compose.RoseColors
 

@@ -19,10 +19,10 @@ import org.junit.jupiter.api.Test
 import org.magcomp.Compass
 import org.magcomp.CompassState
 import org.magcomp.MagneticFieldSource
-import org.magcomp.MagneticSample
-import org.magcomp.ScreenRotation
-import org.magcomp.SensorSample
-import org.magcomp.DeviceVector
+import org.magcomp.core.MagneticSample
+import org.magcomp.core.ScreenRotation
+import org.magcomp.core.SensorSample
+import org.magcomp.core.DeviceVector
 import org.magcomp.compose.rememberCompass
 
 /** The file that an app copies, over stand-ins of AndroidX. */

@@ -34,23 +34,23 @@ import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
 import org.magcomp.Compass
 import org.magcomp.CompensatedReading
-import org.magcomp.FieldEvent
-import org.magcomp.FieldEventKind
-import org.magcomp.CompassHeading
-import org.magcomp.HeadingAid
-import org.magcomp.HoldReason
+import org.magcomp.core.FieldEvent
+import org.magcomp.core.FieldEventKind
+import org.magcomp.core.CompassHeading
+import org.magcomp.core.HeadingAid
+import org.magcomp.core.HoldReason
 import org.magcomp.MagneticFieldSource
-import org.magcomp.MagneticSample
-import org.magcomp.CollectingReason
-import org.magcomp.MagneticReading
-import org.magcomp.ScreenRotation
+import org.magcomp.core.MagneticSample
+import org.magcomp.core.CollectingReason
+import org.magcomp.core.MagneticReading
+import org.magcomp.core.ScreenRotation
 import org.magcomp.SensorAccuracy
-import org.magcomp.SensorMode
-import org.magcomp.SensorSample
+import org.magcomp.core.SensorMode
+import org.magcomp.core.SensorSample
 import org.magcomp.SensorsInUse
-import org.magcomp.CompensationStatus
+import org.magcomp.core.CompensationStatus
 import org.magcomp.UsedSensor
-import org.magcomp.DeviceVector
+import org.magcomp.core.DeviceVector
 import org.magcomp.headingFrame
 import org.w3c.dom.Element
 import sun.misc.Unsafe
@@ -225,10 +225,11 @@ class ScreenTest {
 
     private val letters = listOf("N", "E", "S", "W")
 
-    private fun drawn(state: ScreenState, isDark: Boolean = false, letters: List<String> = this.letters) = ImageComposeScene(720, 1480, Density(2f)).use { scene ->
-        scene.setContent { CompassScreen(state, letters, isDark) }
-        scene.render().encodeToData(EncodedImageFormat.PNG)!!.bytes
-    }
+    private fun drawn(state: ScreenState, isDark: Boolean = false, letters: List<String> = this.letters) =
+        ImageComposeScene(720, 1480, Density(2f)).use { scene ->
+            scene.setContent { CompassScreen(state, letters, isDark) }
+            scene.render().encodeToData(EncodedImageFormat.PNG)!!.bytes
+        }
 
     private fun image(png: ByteArray) = ImageIO.read(png.inputStream())
 

@@ -1,5 +1,5 @@
 // made by bindings/generate.sh from bindings/status.toml and bindings/reading.toml
-package org.magcomp
+package org.magcomp.core
 
 /**
  * A reading that is filled again and again, so that a stream of sensor events allocates nothing.

@@ -1,9 +1,9 @@
-package org.magcomp
+package org.magcomp.core
 
 /**
  * Brings events that are delivered late or in batches into the order of their times, which [Compensator] expects. The rules are those
- * of `EventQueue` in Rust; `tests/vectors/event_order.json` holds both to them. [SensorManagerSource] has one; a source of your own
- * may need it.
+ * of `EventQueue` in Rust; `tests/vectors/event_order.json` holds both to them. A
+ * [SensorManagerSource][org.magcomp.SensorManagerSource] has one; a source of your own may need it.
  *
  * An event waits for every other sensor until that has delivered an event at or after its time. A sensor whose latest
  * event, or else the beginning of the stream, is more than 0.25 s older than the newest event of all is not waited for.
@@ -23,9 +23,9 @@ public class EventQueue @JvmOverloads constructor(public val holdS: Double = DEF
         override fun timeNs(event: SensorSample) = event.timeNs
 
         override fun sensor(event: SensorSample) = when (event) {
-            is SensorSample.RotationRate -> RawEvent.ROTATION_RATE
-            is SensorSample.Up -> RawEvent.UP
-            is SensorSample.Magnetic -> RawEvent.MAGNETIC
+            is SensorSample.RotationRate -> 0
+            is SensorSample.Up -> 1
+            is SensorSample.Magnetic -> 2
         }
     }
 

@@ -1,4 +1,4 @@
-package org.magcomp
+package org.magcomp.core
 
 /** One event of one of the three sensors, with its own time. */
 public sealed interface SensorSample {

@@ -1,4 +1,4 @@
-package org.magcomp
+package org.magcomp.core
 
 /**
  * One calibration from a set of orientations: collects them, shows which directions are missing, and fits. For apps that
@@ -9,7 +9,7 @@ package org.magcomp
  *
  * @property samplesPerOrientation samples in a row that are averaged into one orientation. Above 1 the user must hold
  *   the phone still meanwhile; 1, the default, is for a phone that is turned about. A smaller number counts as 1
- * @throws NativeLibraryException when the app holds no native library for this phone
+ * @throws org.magcomp.NativeLibraryException when the app holds no native library for this phone
  */
 public class ConstantField @JvmOverloads constructor(public val samplesPerOrientation: Int = 1) : AutoCloseable {
     private val native = NativeLibrary.check().let { NativeConstantField(samplesPerOrientation) }

@@ -1,4 +1,4 @@
-package org.magcomp
+package org.magcomp.core
 
 /**
  * Frees a magnetometer from the disturbance its phone carries, sample by sample.
@@ -6,10 +6,10 @@ package org.magcomp
  * Any thread may call it, and close it meanwhile: a call after [close] throws [MagcompException.Closed]. After a defect
  * of the library calls throw [MagcompException.Panicked] until [reset].
  *
- * @property config the config it was made with. A field left out has the library's default, as in [Compass]
- *   ([defaultConfig] shows all)
+ * @property config the config it was made with. A field left out has the library's default, as in
+ *   [Compass][org.magcomp.Compass] ([defaultConfig] shows all)
  * @throws MagcompException.Config when a field of the config is out of range
- * @throws NativeLibraryException when the app holds no native library for this phone
+ * @throws org.magcomp.NativeLibraryException when the app holds no native library for this phone
  */
 public class Compensator @JvmOverloads @Throws(MagcompException::class) constructor(public val config: CompensationConfig = CompensationConfig()) :
     AutoCloseable {

@@ -1,6 +1,6 @@
 @file:JvmName("CalibrationJson")
 
-package org.magcomp
+package org.magcomp.core
 
 import org.json.JSONArray
 import org.json.JSONException
