@@ -1,6 +1,6 @@
 package org.magcomp
 
-/** The phone's sensors can't be used as asked. The message says what an app can do. */
+/** The phone's sensors can't be used as asked. The message tells the developer what to do. */
 public sealed class SensorException(message: String, cause: Throwable? = null) : CompassException(message, cause) {
     /**
      * The phone has no such sensor.

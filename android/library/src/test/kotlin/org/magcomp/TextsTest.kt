@@ -126,6 +126,7 @@ class TextsTest {
             RejectReason.Stuck(whole()), axes.let { (x, y, z) -> RejectReason.Axes(x, y, z) },
         )
         return missing.map { CompensationStatus.Collecting(it) } + held.map { CompensationStatus.Held(it) } +
-            listOf(CompensationStatus.Tracking, CompensationStatus.Suspect(1), CompensationStatus.Disturbed(1)) + rejected.map { CompensationStatus.Rejected(it) }
+            listOf(CompensationStatus.Tracking, CompensationStatus.Suspect(1), CompensationStatus.Disturbed(1)) +
+            rejected.map { CompensationStatus.Rejected(it) }
     }
 }
