@@ -101,18 +101,8 @@ public class Compass internal constructor(
     /** Where the store is called. */
     private val stores = CoroutineScope(stores + SupervisorJob())
 
-    /**
-     * The frame of the headings, whole. It may be set at any time from any thread; [axis], [screenRotation] and [declinationDeg]
-     * change one of its settings and leave what another thread sets meanwhile. A declination out of range throws
-     * [MagcompException.Config] and leaves the frame as it was.
-     */
-    public var frame: HeadingFrame
-        get() = frames.value
-        @Throws(MagcompException::class)
-        set(wanted) {
-            checkDeclination(wanted.declinationDeg)
-            frames.value = wanted
-        }
+    /** What [axis], [screenRotation] and [declinationDeg] say; any thread may set one of them and leaves the others. */
+    internal val frame: HeadingFrame get() = frames.value
 
     /** The axis of the device that the headings belong to. */
     public var axis: ReferenceAxis

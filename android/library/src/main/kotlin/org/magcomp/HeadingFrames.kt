@@ -3,23 +3,7 @@
 package org.magcomp
 
 import android.view.Surface
-import org.magcomp.core.*
-
-/**
- * The heading frame for a screen as Android reports it.
- *
- * @param displayRotation `Display.getRotation()`: `Surface.ROTATION_0` to `ROTATION_270`
- * @param axis the axis of the device the heading is that of; automatic: top edge when flat, camera when upright
- * @param declinationDeg declination, degrees, east positive, for a true heading; [geomagneticField] gives it
- */
-@JvmOverloads
-public fun headingFrame(
-    displayRotation: Int,
-    axis: ReferenceAxis = ReferenceAxis.AUTO,
-    declinationDeg: Double? = null,
-): HeadingFrame {
-    return HeadingFrame(axis, screenRotation(displayRotation), declinationDeg)
-}
+import org.magcomp.core.ScreenRotation
 
 /**
  * How far the screen has turned, for [Compass.screenRotation].

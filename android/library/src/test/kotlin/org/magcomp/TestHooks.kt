@@ -155,6 +155,13 @@ internal fun Flow<SensorSample>.compensated(
     Compass(Played(this@compensated), config, store, grace = ZERO, one, Dispatchers.Unconfined).use { emitAll(it.readings()) }
 }
 
+/** Sets the whole frame. */
+fun Compass.set(frame: HeadingFrame) {
+    axis = frame.axis
+    screenRotation = frame.screenRotation
+    declinationDeg = frame.declinationDeg
+}
+
 /** A time of the wall clock, seconds since 1970. */
 const val NOW_S = 1_795_000_000L
 

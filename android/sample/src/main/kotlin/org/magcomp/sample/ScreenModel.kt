@@ -9,11 +9,11 @@ import kotlinx.coroutines.flow.onCompletion
 import org.magcomp.Compass
 import org.magcomp.CompensatedReading
 import org.magcomp.HeadingSmoother
-import org.magcomp.core.MagcompException
-import org.magcomp.core.ScreenRotation
 import org.magcomp.SensorException
 import org.magcomp.core.CompensationStatus
 import org.magcomp.core.DeviceVector
+import org.magcomp.core.MagcompException
+import org.magcomp.core.ScreenRotation
 import org.magcomp.guidance
 import org.magcomp.spoken
 import org.magcomp.text

@@ -12,10 +12,10 @@ import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
 import org.junit.jupiter.api.io.TempDir
 import org.magcomp.Compass
-import org.magcomp.core.DeviceVector
 import org.magcomp.MagneticFieldSource
-import org.magcomp.core.MagneticSample
 import org.magcomp.RecordingSource
+import org.magcomp.core.DeviceVector
+import org.magcomp.core.MagneticSample
 import org.magcomp.core.SensorSample
 
 class RecordingTest {
