@@ -1,5 +1,6 @@
-//! `magcomp-bindings` writes what every language says of a status, from `bindings/status.toml`, `bindings/reading.toml`, `bindings/config.toml`, `bindings/texts` and `bindings/templates`, into
-//! the repository that is the current directory; `magcomp-bindings --check` fails where a file is not what it would write.
+//! `magcomp-bindings` writes what every language says of a status, from `bindings/status.toml`, `bindings/reading.toml`, `bindings/config.toml`,
+//! `bindings/texts` and `bindings/templates`, into the repository that is the current directory; `magcomp-bindings --check` fails where a file
+//! is not what it would write.
 
 mod codes;
 mod config;

@@ -42,6 +42,7 @@ internal class Estimation(
     private var unseen = emptyList<DeviceVector>()
     private var lookedNs: Long? = null
     private var latestNs = Long.MIN_VALUE
+    private var latest: Answer? = null
     private var begun = false
     private val vertical = Vertical()
 
@@ -166,7 +167,8 @@ internal class Estimation(
         } else {
             compensator.push(sample.timeNs, sample.x, sample.y, sample.z, reported.x, reported.y, reported.z, buffer)
         }
-        val answer = Answer(buffer, sample)
+        val answer = Answer(buffer, sample, latest)
+        latest = answer
         // a time that is refused may be any
         if (answer.status !is CompensationStatus.Rejected) {
             isInForce = !buffer.xUt.isNaN()
