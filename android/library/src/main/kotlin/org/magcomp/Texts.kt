@@ -25,6 +25,10 @@ public fun CompensationStatus.guidance(resources: Resources): String? = guidance
 /** One sentence an app may show of what headings from outside are worth, in the language of [resources]. */
 public fun HeadingAid.text(resources: Resources): String = text(resources::getString)
 
+/** One sentence that an app may show where a compass has ended with this, in the language of [resources]. The message is for the developer. */
+public fun CompassException.text(resources: Resources): String =
+    resources.getString(if (this is SensorException.Missing) R.string.magcomp_error_missing else R.string.magcomp_error)
+
 /** The heading as a screen reader says it, in whole degrees, in the language of [resources]; of null, that there is none. */
 public fun CompassHeading?.spoken(resources: Resources): String = spoken(resources::getString)
 

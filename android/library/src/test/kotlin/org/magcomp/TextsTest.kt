@@ -68,6 +68,15 @@ class TextsTest {
     }
 
     @Test
+    fun `an error has one sentence for the user and another for the developer`() {
+        val missing = SensorException.Missing("magnetometer", "hide the compass")
+        assertEquals("This phone has no compass.", missing.text(resources))
+        assertEquals("this phone has no magnetometer; hide the compass", missing.message)
+        val others = listOf(MagcompException.Closed(), SensorException.NotTaken(3), RecordingException("a", 1, null, "b"), NativeLibraryException(Error()))
+        for (error in others) assertEquals("The compass does not work now.", error.text(resources))
+    }
+
+    @Test
     fun `both platforms have the same texts, with the same placeholders`() {
         val line = Regex(""""(\w+)" = "(.*)";""")
         val swift = repository.resolve("ios/Sources/Magcomp/Resources/en.lproj/Localizable.strings").readLines()
