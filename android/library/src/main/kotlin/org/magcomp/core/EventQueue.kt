@@ -11,8 +11,8 @@ package org.magcomp.core
  * then `up`, then the magnetometer. The queue drops no event: one that comes more than [holdS] too late goes out at
  * once, behind later events. Not thread-safe.
  *
- * @property holdS longest that an event waits, 0 to 0.25 s; 0: every event goes out as it comes. For batches choose a little more
- *   than one batch takes. Default 0.05
+ * @property holdS how long an event may wait, 0 to 0.25 s. With 0 every event goes out as it comes. For batches choose a little more than
+ *   one batch takes. Default 0.05
  */
 public class EventQueue @JvmOverloads constructor(public val holdS: Double = DEFAULT_HOLD_S) {
     init {
@@ -30,17 +30,17 @@ public class EventQueue @JvmOverloads constructor(public val holdS: Double = DEF
     }
 
     /**
-     * Takes the event that was delivered next, and gives [out] those whose turn it is now, in order: none, one or several. When 256
-     * wait, the first goes out whatever it waits for.
+     * Takes the event that was delivered next, and gives [out] the events whose turn it is now, in order: none, one or several. While 256
+     * events wait, the first goes out whatever it waits for.
      */
     public fun push(event: SensorSample, out: (SensorSample) -> Unit): Unit = order.push(event, out)
 
-    /** Gives [out] everything that waits: the stream has ended, or another begins. */
+    /** Gives [out] all events that wait, because the stream has ended or another begins. */
     public fun flush(out: (SensorSample) -> Unit): Unit = order.flush(out)
 
     /** Constants of every queue. */
     public companion object {
-        /** Longest that an event waits unless another time is chosen, s. */
+        /** How long an event may wait unless another time is chosen, s. */
         public const val DEFAULT_HOLD_S: Double = 0.05
 
         /** The longest time that may be chosen, s. */
