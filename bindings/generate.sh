@@ -20,12 +20,12 @@ trap 'rm -rf "$fresh"' EXIT
 # the static library: a stripped shared one has lost what the generator reads
 "$target/debug/uniffi-bindgen" generate "$native/libmagcomp_ffi.a" -l kotlin --no-format -o "$fresh/kotlin"
 "$target/debug/uniffi-bindgen" generate "$native/libmagcomp_ffi.a" -l swift --no-format -o "$fresh/swift"
-for file in kotlin/org/magcomp/magcomp_ffi.kt swift/Magcomp.swift swift/MagcompFFI.h swift/MagcompFFI.modulemap; do
+for file in kotlin/org/magcomp/core/magcomp_ffi.kt swift/Magcomp.swift swift/MagcompFFI.h swift/MagcompFFI.modulemap; do
     [ -s "$fresh/$file" ] || { echo "bindings: $file was not generated; was uniffi.toml read?" >&2; exit 1; }
     # the generator leaves spaces at line ends
     sed -i 's/[ \t]*$//' "$fresh/$file"
 done
-perl bindings/uniffi.pl kotlin "$fresh/kotlin/org/magcomp/magcomp_ffi.kt"
+perl bindings/uniffi.pl kotlin "$fresh/kotlin/org/magcomp/core/magcomp_ffi.kt"
 perl bindings/uniffi.pl swift "$fresh/swift/Magcomp.swift"
 if [ "${1:-}" = --check ]; then
     for language in kotlin swift; do

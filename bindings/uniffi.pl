@@ -52,6 +52,14 @@ sub kotlin {
     # uniffi lists the fields
     must 'messages', $text =~ s/^( +override val message\n +get\(\) = )(".*")$/$1sentence($2)/mg;
 
+    # cases without fields say their names
+    must 'objects as cases', $text =~ s/^    (?=object \w+ : \w+\(\)$)/    data /mg;
+
+    # nobody asks for those that are empty, but for the cleaner's
+    must 'companions', $text =~ s/(interface UniffiCleaner \{.*?companion object\n)|^ *companion object\n/$1 \/\/ ''/msge;
+    must 'its functions', $text =~ s/^(?=package )/\@file:JvmName("Magcomp")\n\n/m;
+    must 'its errors', $text =~ s/^(sealed class MagcompException): kotlin\.Exception\(\)/$1: org.magcomp.CompassException()/m;
+
     # every call asks for the library first: Java would tell a class that fails to load twice, in two ways, neither of them ours
     must 'calls', $text =~ s/^(private inline fun <U, E: kotlin\.Exception> uniffiRustCallWithError\(.*\{\n)/$1    NativeLibrary.check()\n/m;
 }

@@ -67,12 +67,12 @@ audit() {
     bad=$(readelf -dW "$2" | sed -n 's/.*NEEDED.*\[\(.*\)\]/\1/p' | grep -vxE 'lib(c|m|dl|log)\.so' || true)
     [ -z "$bad" ] || { echo "mobile: $1: needs $bad" >&2; exit 1; }
     local java uniffi
-    java=$(nm -D --defined-only "$2" | grep -c ' Java_org_magcomp_FastPath_' || true)
+    java=$(nm -D --defined-only "$2" | grep -c ' Java_org_magcomp_core_FastPath_' || true)
     uniffi=$(nm -D --defined-only "$2" | grep -c ' uniffi_magcomp_ffi_fn_' || true)
     local wanted
-    wanted=$(grep -c 'external fun' android/library/src/main/kotlin/org/magcomp/FastPath.kt)
+    wanted=$(grep -c 'external fun' android/library/src/main/kotlin/org/magcomp/core/FastPath.kt)
     [ "$java" = "$wanted" ] || { echo "mobile: $1: exports $java JNI functions, Kotlin declares $wanted" >&2; exit 1; }
-    wanted=$(grep -c 'external fun uniffi_magcomp_ffi_fn_' bindings/kotlin/org/magcomp/magcomp_ffi.kt)
+    wanted=$(grep -c 'external fun uniffi_magcomp_ffi_fn_' bindings/kotlin/org/magcomp/core/magcomp_ffi.kt)
     [ "$uniffi" = "$wanted" ] || { echo "mobile: $1: exports $uniffi uniffi functions, Kotlin declares $wanted" >&2; exit 1; }
     if nm -D "$2" | grep -q TestHooks; then
         echo "mobile: $1: holds test hooks" >&2

@@ -1,8 +1,8 @@
 // made by bindings/generate.sh from bindings/config.toml
-package org.magcomp
+package org.magcomp.core
 
 // For Java, which has no named arguments. A field that is not set has the library's default; null unsets a field.
-{% for group in settings %}
+{% for group in settings if group.app in ["CompensationConfig", "HeadingConfig"] %}
 
 /** Makes a [{{ group.app }}] from Java: `new {{ group.app }}Builder().{{ group.fields[0].camel }}(...).build()`. */
 public class {{ group.app }}Builder {

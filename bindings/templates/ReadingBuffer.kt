@@ -1,5 +1,5 @@
 // made by bindings/generate.sh from bindings/status.toml and bindings/reading.toml
-package org.magcomp
+package org.magcomp.core
 
 {% macro whole(field) %}
 whole(slots, at + WHOLE{{ " + " ~ 2 * field.place if field.place }})
@@ -56,6 +56,7 @@ public class ReadingBuffer {
         const val {{ leaf.slot }} = {{ leaf.at }}
 {% endfor %}
 {% set n = reading.numbers %}
+{% set figures = (reading.leaves|selectattr("slot", "equalto", "SIGMA_T")|first).at %}
         const val EVENT = {{ n }}
         const val EVENT_TIMES = {{ n + 1 }}
         const val STATUS = {{ n + 5 }}
@@ -79,11 +80,23 @@ public class ReadingBuffer {
 {% endfor %}
         fun reading(slots: DoubleArray, at: Int, timeNs: Long): MagneticReading = reading(slots, at, timeNs, event(slots, at), status(slots, at))
 
-        /** Of [slots] the [NUMBERS] alone are read. */
-        fun reading(slots: DoubleArray, at: Int, timeNs: Long, event: FieldEvent?, status: CompensationStatus): MagneticReading = MagneticReading(
+        /** Of [slots] the [NUMBERS] alone are read, and those from [SIGMA_T] on of [figures], where they have a place of their own. */
+        fun reading(
+            slots: DoubleArray,
+            at: Int,
+            timeNs: Long,
+            event: FieldEvent?,
+            status: CompensationStatus,
+            figures: DoubleArray = slots,
+            figuresAt: Int = at,
+        ): MagneticReading = MagneticReading(
             timeNs = timeNs,
 {% for field in reading.fields %}
-            {{ field.camel }} = {% if field.kind == "vector" %}vectorOrNull(slots, at + {{ field.leaves[0].slot }}){% elif field.kind == "real" %}known(slots[at + {{ field.leaves[0].slot }}]){% elif field.kind == "count" %}slots[at + {{ field.leaves[0].slot }}].toInt(){% elif field.kind == "share" %}slots[at + {{ field.leaves[0].slot }}]{% else %}{{ field.camel }}(slots, at){% endif %},
+{% set first = field.leaves[0] %}
+{% set slots = "figures" if first.at >= figures else "slots" %}
+{% set at = "figuresAt" if first.at >= figures else "at" %}
+{% set number = slots ~ "[" ~ at ~ " + " ~ first.slot ~ "]" %}
+            {{ field.camel }} = {% if field.kind == "vector" %}vectorOrNull({{ slots }}, {{ at }} + {{ first.slot }}){% elif field.kind == "real" %}known({{ number }}){% elif field.kind == "count" %}{{ number }}.toInt(){% elif field.kind == "share" %}{{ number }}{% else %}{{ field.camel }}({{ slots }}, {{ at }}){% endif %},
 {% endfor %}
             event = event,
             status = status,

@@ -2,6 +2,7 @@
 package org.magcomp
 
 import kotlin.math.abs
+import org.magcomp.core.*
 
 {% macro value(field) %}
 {% if field.kind == "axis" %}{{ field.camel }}.name.lowercase(){% elif field.kind == "axes" %}listOf(x, y, z).joinToString(",", transform = ::typed){% elif field.kind == "took" %}(decidedNs.toDouble() - sinceNs.toDouble()) * 1e-9{% elif field.kind in by_name %}{{ field.camel }}.text(strings){% else %}{{ field.camel }}{% endif %}

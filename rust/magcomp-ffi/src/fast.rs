@@ -1,6 +1,6 @@
 //! The JNI fast path: primitives in, a caller-owned array out, no allocation in a push.
 //!
-//! `org.magcomp.FastPath` declares these functions; `handles` finds the object. Each answers a number: 0 or more is an
+//! `org.magcomp.core.FastPath` declares these functions; `handles` finds the object. Each answers a number: 0 or more is an
 //! answer, below 0 an error of this list. The array's layout is that of `slots`; `ReadingBuffer` in Kotlin reads it, and its test
 //! compares every status with what uniffi says.
 
@@ -25,7 +25,7 @@ const TOO_SHORT: jint = -3;
 const NO_SUCH_KIND: jint = -4;
 
 /// Doubles in `out`.
-#[jni_mangle("org.magcomp.FastPath")]
+#[jni_mangle("org.magcomp.core.FastPath")]
 pub fn slots(_env: Env, _class: jclass) -> jint {
     slots::COUNT as jint
 }
@@ -33,7 +33,7 @@ pub fn slots(_env: Env, _class: jclass) -> jint {
 /// A raw magnetometer event, uT; `bx` to `bz` are the operating system's own hard iron, NaN for none. Answers the
 /// status's code and fills `out`; an `out` that is too short throws.
 #[allow(clippy::too_many_arguments)]
-#[jni_mangle("org.magcomp.FastPath")]
+#[jni_mangle("org.magcomp.core.FastPath")]
 pub fn push(
     env: Env,
     _class: jclass,
@@ -59,7 +59,7 @@ pub fn push(
 }
 
 /// A gyroscope event, rad/s.
-#[jni_mangle("org.magcomp.FastPath")]
+#[jni_mangle("org.magcomp.core.FastPath")]
 pub fn push_rotation_rate(
     _env: Env,
     _class: jclass,
@@ -73,7 +73,7 @@ pub fn push_rotation_rate(
 }
 
 /// An accelerometer or gravity event, m/s^2, pointing up.
-#[jni_mangle("org.magcomp.FastPath")]
+#[jni_mangle("org.magcomp.core.FastPath")]
 pub fn push_up(_env: Env, _class: jclass, handle: jlong, time_ns: jlong, x: jdouble, y: jdouble, z: jdouble) -> jint {
     find(handle).map_or(CLOSED, |to| flat::push_up(&to, time_ns, Vector3 { x, y, z }))
 }
@@ -92,7 +92,7 @@ const CHUNK: usize = 64;
 
 /// Many events in the order they happened: kinds, times and three values each. Every magnetic one fills the next
 /// reading of `out`. Answers how many readings were written.
-#[jni_mangle("org.magcomp.FastPath")]
+#[jni_mangle("org.magcomp.core.FastPath")]
 pub fn push_batch(
     env: Env,
     _class: jclass,
@@ -141,7 +141,7 @@ pub fn push_batch(
 
 /// The calibration in force: xx, yy, zz, xy, xz, yz of the soft iron, the hard iron and the field's strength, uT. Answers 1, or 0 where
 /// there is none, which leaves `out` as it was.
-#[jni_mangle("org.magcomp.FastPath")]
+#[jni_mangle("org.magcomp.core.FastPath")]
 pub fn calibration(env: Env, _class: jclass, handle: jlong, out: JavaArray<jdouble>) -> jint {
     let Some(compensator) = find(handle) else { return CLOSED };
     answered(compensator.calibration(), |calibration| {
@@ -153,7 +153,7 @@ pub fn calibration(env: Env, _class: jclass, handle: jlong, out: JavaArray<jdoub
 
 /// The share of the directions that were seen, then three numbers for each that was not. Answers how many these are; an `out` that
 /// is too short throws.
-#[jni_mangle("org.magcomp.FastPath")]
+#[jni_mangle("org.magcomp.core.FastPath")]
 pub fn coverage(env: Env, _class: jclass, handle: jlong, out: JavaArray<jdouble>) -> jint {
     let Some(compensator) = find(handle) else { return CLOSED };
     answered(compensator.coverage(), |Coverage { share, unseen_directions }| {
@@ -166,7 +166,7 @@ pub fn coverage(env: Env, _class: jclass, handle: jlong, out: JavaArray<jdouble>
 }
 
 /// The text to keep, in ASCII. Answers how long it is, 0 where there is nothing to keep; an `out` that is shorter stays as it was.
-#[jni_mangle("org.magcomp.FastPath")]
+#[jni_mangle("org.magcomp.core.FastPath")]
 pub fn keep(env: Env, _class: jclass, handle: jlong, unix_time_s: jlong, out: JavaArray<i8>) -> jint {
     let Some(compensator) = find(handle) else { return CLOSED };
     answered(compensator.keep(unix_time_s), |text| {

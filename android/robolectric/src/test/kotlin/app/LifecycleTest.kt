@@ -9,9 +9,9 @@ import org.junit.Assert.assertTrue
 import org.junit.Test
 import org.junit.runner.RunWith
 import org.magcomp.PhoneSensor
-import org.magcomp.ScreenRotation
-import org.magcomp.CompensationStatus
 import org.magcomp.StreamStatus
+import org.magcomp.core.CompensationStatus
+import org.magcomp.core.ScreenRotation
 import org.robolectric.Robolectric
 import org.robolectric.RobolectricTestRunner
 import org.robolectric.RuntimeEnvironment

@@ -5,11 +5,11 @@ import java.util.concurrent.CompletableFuture;
 import org.magcomp.Compass;
 import org.magcomp.CompassReadingListener;
 import org.magcomp.CompensatedReading;
-import org.magcomp.Compensator;
-import org.magcomp.CompensationConfigBuilder;
-import org.magcomp.MagcompException;
-import org.magcomp.ReadingBuffer;
 import org.magcomp.RecordingSource;
+import org.magcomp.core.CompensationConfigBuilder;
+import org.magcomp.core.Compensator;
+import org.magcomp.core.MagcompException;
+import org.magcomp.core.ReadingBuffer;
 
 /** A small app: what it prints must not change when it is shrunk. */
 public class Main {

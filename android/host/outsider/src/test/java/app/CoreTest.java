@@ -12,10 +12,10 @@ import org.junit.jupiter.api.Test;
 import org.magcomp.Compass;
 import org.magcomp.CompassReadingListener;
 import org.magcomp.CompensatedReading;
-import org.magcomp.Compensator;
-import org.magcomp.ReadingBuffer;
 import org.magcomp.RecordingSource;
-import org.magcomp.DeviceVector;
+import org.magcomp.core.Compensator;
+import org.magcomp.core.DeviceVector;
+import org.magcomp.core.ReadingBuffer;
 
 /** The real core, over JNI and over JNA, with no setting of the JVM. */
 class CoreTest {

@@ -8,23 +8,24 @@ import kotlin.math.abs
 import kotlin.math.atan2
 import kotlin.math.hypot
 import kotlin.math.sqrt
+import org.magcomp.core.*
 
 /**
- * The direction in which a walker holds a phone ahead, for [Compass.aid]: between top edge and back camera, so that it points ahead whether the
- * phone lies in the hand or is held up.
+ * The direction of the phone that points ahead while a walker holds it, for [Compass.aid]. It lies between top edge and back camera, so it
+ * points ahead whether the phone lies in the hand or is held up.
  */
 @JvmField
 public val HELD_AHEAD: HeadedAxis = HeadedAxis.Device(DeviceVector(0.0, 1.0, -1.0))
 
 /**
- * A pose of ARCore for [Compass.aid], which has a world whose y axis points up. `frame.androidSensorPose.rotationQuaternion` is that of
- * the device's own frame, however the screen is turned; `earth.getGeospatialPose(frame.androidSensorPose).eastUpSouthQuaternion` is one whose
- * yaw is known.
+ * Makes a pose of ARCore, whose world has a y axis that points up, an attitude for [Compass.aid]. `frame.androidSensorPose.rotationQuaternion`
+ * is a pose of the device's own frame, however the screen is turned. `earth.getGeospatialPose(frame.androidSensorPose).eastUpSouthQuaternion`
+ * has a known yaw.
  *
- * @param elapsedRealtimeNs when it was true, by `SystemClock.elapsedRealtimeNanos()`
+ * @param elapsedRealtimeNs the pose's time by `SystemClock.elapsedRealtimeNanos()`
  * @param rotation its quaternion as ARCore gives it: x, y, z, w
- * @param yawSigmaDeg one standard deviation of its yaw against true north, degrees, `orientationYawAccuracy`; null: its world is turned to
- *   anywhere, and its turns alone count
+ * @param yawSigmaDeg one standard deviation of its yaw against true north, degrees, `orientationYawAccuracy`. With null its world may be turned
+ *   to anywhere, and its turns alone count
  */
 @JvmOverloads
 public fun arCoreAttitude(elapsedRealtimeNs: Long, rotation: FloatArray, yawSigmaDeg: Double? = null): AttitudeSample {

@@ -27,24 +27,24 @@ import kotlinx.coroutines.flow.onEach
 import kotlinx.coroutines.flow.stateIn
 import kotlinx.coroutines.flow.update
 import kotlinx.coroutines.withTimeoutOrNull
+import org.magcomp.core.*
 
 /**
- * A compass from a phone's own sensors: `Compass(context).readings().collect { ... }`.
+ * A compass of the phone's own sensors: `Compass(context).headings().collect { ... }`.
  *
- * Keep one `Compass` for an app's whole life, or in a `ViewModel`. All its collectors share one estimator and one
- * listener of each sensor, and the estimator keeps the calibration it has learned. A second `Compass` of the same
- * source has an estimator of its own, and shares the sensors. The estimator runs on a thread that does nothing else: that of the sensors,
- * or with any other source one of the compass. No work of the app holds it up.
+ * An app keeps one `Compass` for its whole life, or in a `ViewModel`. All collectors share one estimator, which keeps the calibration it has
+ * learned. The phone's sensors are registered once. A second `Compass` of the same source has its own estimator and shares the sensors. The
+ * estimator runs on a thread that does nothing else, so no work of the app holds it up.
  *
  * @param source where events come from
- * @param config a field left out has the library's default, as in [Compensator]. Two defaults serve a compass: the
- *   heading's axis is `AUTO`, which does not flip when the phone is raised; and `useReportedHardIron` makes the
- *   system's own hard iron the first calibration where there is no other, so that the first reading has a heading, with
- *   a wide sigma. `railUt` is the source's [MagneticFieldSource.fullScaleUt] where the config has none
- * @param store where the calibration is kept from one launch to the next; null: nowhere. No reading waits for it: what it takes longer
- *   than 0.1 s to load is taken over when it comes, unless better was learned meanwhile
- * @param grace how long the sensors go on after the last collector has left, 0 or above: a screen that is turned comes back within it, and
- *   nothing has stopped. Default 5 s
+ * @param config a field that is left out has the library's default, as in [Compensator]. Two defaults serve a compass. The heading's axis is
+ *   `AUTO`, which does not flip when the phone is raised. With `useReportedHardIron` the system's own hard iron is the first calibration where
+ *   there is no other, so the first reading has a heading with a wide sigma. A config without `railUt` gets the source's
+ *   [MagneticFieldSource.fullScaleUt]
+ * @param store where the calibration is kept from one launch to the next; null keeps it nowhere. No reading waits for the store: a calibration
+ *   that takes longer than 0.1 s to load is taken over when it comes, unless the estimator has learned a better one meanwhile
+ * @param grace how long the sensors go on after the last collector has left, 0 or above. A screen that is turned comes back within this time
+ *   and finds everything running. Default 5 s
  */
 public class Compass internal constructor(
     private val source: MagneticFieldSource,
@@ -62,14 +62,14 @@ public class Compass internal constructor(
         grace: Duration = 5.seconds,
     ) : this(source, config, store, grace, threadsOfItsOwn())
 
-    /** A compass of a source, for Java; [create] takes what else there is. */
+    /** A compass of a source, for Java. [create] takes the other parameters too. */
     public constructor(source: MagneticFieldSource) : this(source, CompensationConfig())
 
     /**
-     * The phone's sensors, the calibration kept in the app's preferences ([PreferencesStore]).
+     * A compass of the phone's sensors, which keeps its calibration in the app's preferences ([PreferencesStore]).
      *
-     * @param context any of the app; it is not kept, only that of its application
-     * @param options how the sensors are asked; left out: at 100 Hz
+     * @param context any context of the app. The compass keeps the application's context alone
+     * @param options how the sensors are asked. The default asks for 100 Hz
      * @param config as above
      */
     @JvmOverloads
@@ -101,32 +101,22 @@ public class Compass internal constructor(
     /** Where the store is called. */
     private val stores = CoroutineScope(stores + SupervisorJob())
 
-    /**
-     * The frame of the headings, whole. It may be set at any time from any thread; [axis], [screenRotation] and [declinationDeg]
-     * change one of its settings and leave what another thread sets meanwhile. A declination out of range throws
-     * [MagcompException.Config] and leaves the frame as it was.
-     */
-    public var frame: HeadingFrame
-        get() = frames.value
-        @Throws(MagcompException::class)
-        set(wanted) {
-            checkDeclination(wanted.declinationDeg)
-            frames.value = wanted
-        }
+    /** What [axis], [screenRotation] and [declinationDeg] say; any thread may set one of them and leaves the others. */
+    internal val frame: HeadingFrame get() = frames.value
 
-    /** The axis of the device the headings are those of. */
+    /** The axis of the device that the headings belong to. */
     public var axis: ReferenceAxis
         get() = frames.value.axis
         set(wanted) = frames.update { it.copy(axis = wanted) }
 
-    /** How far the screen has turned; `screenRotation(display.rotation)` knows it from Android's number. */
+    /** How far the screen has turned: `screenRotation(display.rotation)` makes it of Android's number. */
     public var screenRotation: ScreenRotation
         get() = frames.value.screenRotation
         set(wanted) = frames.update { it.copy(screenRotation = wanted) }
 
     /**
-     * The declination of the place, degrees, east positive, -180 to 180, for a true heading; [geomagneticField] gives it. One out of
-     * range throws [MagcompException.Config] and leaves the frame as it was.
+     * The declination of the place for a true heading, degrees, east positive, -180 to 180; [geomagneticField] gives it. A declination out of
+     * range throws [MagcompException.Config] and changes nothing.
      */
     public var declinationDeg: Double?
         get() = frames.value.declinationDeg
@@ -137,28 +127,28 @@ public class Compass internal constructor(
         }
 
     /**
-     * One reading for every magnetometer sample, and one when the magnetometer falls silent ([CompensatedReading.stream]); the latest at
-     * once where it is less than a second old. None is lost to a collector that is at most [MOST_WAITING] behind; one that is further
-     * behind loses the oldest, counted in [CompensatedReading.droppedBefore]. This is for a file or a computation; for a screen there are
-     * [headings] and [state].
+     * Every reading, for a file or a computation; [headings] and [state] are for a screen. Each magnetometer sample makes one reading, and a
+     * magnetometer that falls silent makes one more ([CompensatedReading.stream]). A new collector gets the latest reading at once if it is
+     * less than a second old. A collector may be [MOST_WAITING] readings behind. One that falls further behind loses the oldest, and
+     * [CompensatedReading.droppedBefore] counts them.
      *
-     * The sensors are used from the first collector on until the last has left and the grace time has passed. The calibration is saved
-     * when the status is first `Tracking`, then when it has changed and 10 s have passed since the save before, when the last collector
-     * leaves (a screen's `onStop`), and when the sensors are released.
+     * The sensors run from the first collector on until the last has left and the grace time has passed. The compass saves the calibration
+     * when the status is first `Tracking`, then when the calibration has changed and 10 s have passed since the last save, when the last
+     * collector leaves (a screen's `onStop`), and when the sensors are released.
      *
-     * An error of the source ends the readings of every collector, after the readings before it. A later collector
-     * begins a new run. The estimator goes on where it was; where the times of the events begin again by more than a second, as those of a
-     * recording do, it keeps its calibration alone.
+     * An error of the source ends the flow of every collector, after the readings before it. The next collector begins a new run, and the
+     * estimator goes on where it was. If the events' times begin more than a second earlier than they ended, as those of a recording do, the
+     * estimator keeps its calibration alone.
      */
     public fun readings(): Flow<CompensatedReading> = shared.collected(MOST_WAITING)
 
-    /** The same, of which a collector that is slower gets the latest alone: for a screen. */
+    /** The readings for a screen: a collector that is slower than they are gets the latest alone. */
     public fun headings(): Flow<CompassReading> = shared.collected(capacity = 1).map(::CompassReading)
 
     /**
-     * The same for a screen that asks for a `StateFlow`: the latest reading, or that they have ended and why. The sensors are used while
-     * anybody collects it, as with [headings]; [StateFlow.value] alone starts nothing. A second after the last collector has left it is
-     * [CompassState.Waiting] again. After an error the next first collector begins anew; after [close] it stays at [CompassState.Ended].
+     * The [headings] as a `StateFlow`: the latest reading, or that the readings have ended and why. The sensors run while anybody collects
+     * it; [StateFlow.value] alone starts nothing. A second after the last collector has left, the state is [CompassState.Waiting] again. After
+     * an error the next first collector begins anew. After [close] the state stays [CompassState.Ended].
      */
     public val state: StateFlow<CompassState> by lazy {
         headings().map<CompassReading, CompassState> { CompassState.Live(it) }
@@ -170,8 +160,8 @@ public class Compass internal constructor(
     }
 
     /**
-     * One heading, for who needs no more: the first reading that has one no less sure than asked for. When none came in time, the latest
-     * reading, whose [CompassReading.text] says why, or null where there was none. An error of the source is thrown.
+     * One heading: the first reading whose heading is as sure as asked for. If none comes in time, this gives the latest reading, whose
+     * [CompassReading.text] says why, or null if no reading came. It throws an error of the source.
      *
      * @param within how long it may take, above 0
      * @param worstSigmaDeg the largest standard deviation that will do, degrees, above 0
@@ -180,7 +170,9 @@ public class Compass internal constructor(
         require(within > Duration.ZERO) { "within is $within, expected above 0" }
         require(worstSigmaDeg > 0) { "worstSigmaDeg is $worstSigmaDeg, expected above 0" }
         var latest: CompassReading? = null
-        val found = withTimeoutOrNull(within) { headings().onEach { latest = it }.firstOrNull { (it.headingSigmaDeg ?: return@firstOrNull false) <= worstSigmaDeg } }
+        val found = withTimeoutOrNull(within) {
+            headings().onEach { latest = it }.firstOrNull { (it.headingSigmaDeg ?: return@firstOrNull false) <= worstSigmaDeg }
+        }
         return found ?: latest
     }
 
@@ -188,10 +180,11 @@ public class Compass internal constructor(
     public suspend fun record(file: File, mostBytes: Long = 100_000_000): Long = source.record(file, mostBytes)
 
     /**
-     * Where the phone is, for a true heading: sets [declinationDeg] by [geomagneticField]. The place needs a location permission, the
-     * sensors need none. A date outside the model's years is no error, nor is a height that can't be; a place without a date is of now.
+     * Tells the compass where the phone is, for a true heading: it sets [declinationDeg] by [geomagneticField]. The app needs a permission for
+     * the place, and none for the sensors. A place without a date counts as one of now. A date outside the model's years is no error, nor is
+     * a height that can't be.
      *
-     * @throws MagcompException.Place when its latitude or longitude is out of range; the declination stays as it was then
+     * @throws MagcompException.Place when the latitude or longitude is out of range; the declination stays as it was
      */
     @Throws(MagcompException::class)
     public fun setPlace(place: Location) {
@@ -201,14 +194,14 @@ public class Compass internal constructor(
     }
 
     /**
-     * Help from outside: the course of a GNSS fix. In a car, or among magnets, it is what tells the Earth's north from the place's. It is
-     * used for the time of the fix. A fix that tells no course is left out: without bearing or speed, below 3 m/s in a vehicle and 0.7 m/s
-     * on foot. Its sigma is `bearingAccuracyDegrees` (where that is not told: 0.5 m/s across the course) with 2 degrees of a vehicle, and 10
-     * on foot for how the phone is held. Any thread may call it.
+     * Takes help from outside: the course of a GNSS fix. In a car, or among magnets, a course tells the Earth's north from the place's. A fix
+     * tells no course without bearing or speed, below 3 m/s in a vehicle and below 0.7 m/s on foot. The course's sigma is
+     * `bearingAccuracyDegrees` (else 0.5 m/s across the course) together with 2 degrees in a vehicle, and 10 on foot for how the phone is
+     * held. Any thread may call this.
      *
      * @param headed what moves along that course: [HeadedAxis.Vehicle] while the phone lies in a holder, whose angle is learned; [HELD_AHEAD] while
-     *   who walks holds it ahead; another direction of the device where the app knows it. While neither is true, do not call this
-     * @return whether it was taken. If not, it tells no course, came too late, or nobody collects readings; nothing has changed
+     *   a walker holds it ahead; another direction of the device where the app knows it. While none of these is true, do not call this
+     * @return whether the course was taken. If not, the fix tells none, came too late, or nobody collects readings; nothing has changed
      */
     @Throws(MagcompException::class)
     public fun aid(place: Location, headed: HeadedAxis): Boolean {
@@ -217,10 +210,10 @@ public class Compass internal constructor(
     }
 
     /**
-     * Help from outside: a heading that the app knows, such as that of a landmark or a corridor.
+     * Takes help from outside: a heading that the app knows, such as that of a landmark or a corridor.
      *
-     * @param heading its time by `SystemClock.elapsedRealtimeNanos()`, at most 5 s ago
-     * @return whether it was taken. If not, it came too late or twice, or nobody collects readings; nothing has changed
+     * @param heading with a time by `SystemClock.elapsedRealtimeNanos()`, at most 5 s ago
+     * @return whether the heading was taken. If not, it came too late or twice, or nobody collects readings; nothing has changed
      * @throws MagcompException.EventRejected when a number is not finite or out of range; nothing has changed then
      */
     @Throws(MagcompException::class)
@@ -230,11 +223,11 @@ public class Compass internal constructor(
     }
 
     /**
-     * Help from outside: how the phone is turned, as a camera sees it ([arCoreAttitude]). Its turns stand in for a gyroscope that is missing;
-     * where its yaw is known it is a heading too.
+     * Takes help from outside: how the phone is turned, as a camera sees it ([arCoreAttitude]). Its turns stand in for a missing gyroscope. An
+     * attitude whose yaw is known is a heading too.
      *
-     * @param attitude its time by `SystemClock.elapsedRealtimeNanos()`
-     * @return whether it was taken, as above
+     * @param attitude with a time by `SystemClock.elapsedRealtimeNanos()`
+     * @return whether the attitude was taken, as above
      * @throws MagcompException.EventRejected when a number is not finite or out of range; nothing has changed then
      */
     @Throws(MagcompException::class)
@@ -243,7 +236,7 @@ public class Compass internal constructor(
         return aiding { pushAttitude(attitude.copy(timeNs = source.eventTimeNs(attitude.timeNs))) }
     }
 
-    /** The declination that true headings from outside have shown; null before the first, and while [declinationDeg] is set. */
+    /** The declination that true headings from outside have shown; null before the first of them and while [declinationDeg] is set. */
     @Throws(MagcompException::class)
     public fun foundDeclination(): FoundDeclination? {
         if (shared.isClosed) throw MagcompException.Closed()
@@ -257,8 +250,8 @@ public class Compass internal constructor(
     }
 
     /**
-     * The phone's sensors that are used, also while none of them delivers anything ([UsedSensor.isSilent]); null before the first
-     * collector has come, and where the source knows no sensors.
+     * The phone's sensors in use, also while they deliver nothing ([UsedSensor.isSilent]). It is null before the first collector comes and
+     * while the source knows no sensors.
      */
     public val sensors: StateFlow<SensorsInUse?> get() = source.sensors ?: NO_SENSORS
 
@@ -304,36 +297,36 @@ public class Compass internal constructor(
     }
 
     /**
-     * Readings for Java, each of them: [listener] is called on [executor], one call at a time, until the answer is closed. An
-     * exception from the listener's `onReading` ends its readings, as every other error does, and goes to its `onEnd`.
+     * Every reading, for Java. The compass calls [listener] on [executor], one call at a time, until the handle is closed. An exception that
+     * `onReading` throws ends the readings, as every other error does, and goes to `onEnd`.
      */
     public fun start(executor: Executor, listener: CompassReadingListener): CompassHandle =
-        listening(executor, { _, error -> listener.onEnd(error) }) {
+        handover.listening(executor, { _, error -> listener.onEnd(error) }) {
             shared.collected(MOST_WAITING, isBrief = true).collect { executor.call(handover) { listener.onReading(it) } }
         }
 
-    /** The same for a screen: one that is slower gets the latest reading alone. */
+    /** The readings for a screen, for Java: a listener that is slower than they are gets the latest alone. */
     public fun start(executor: Executor, listener: HeadingListener): CompassHandle =
-        listening(executor, { _, error -> listener.onEnd(error) }) {
+        handover.listening(executor, { _, error -> listener.onEnd(error) }) {
             shared.collected(capacity = 1, isBrief = true).collect { executor.call(handover) { listener.onHeading(CompassReading(it)) } }
         }
 
     /**
-     * One heading for Java, as the other `heading`.
+     * One heading, for Java: the same as the other `heading`.
      *
      * @param withinMs how long it may take, milliseconds, above 0
      * @param worstSigmaDeg the largest standard deviation that will do, degrees, above 0
      */
     public fun heading(withinMs: Long, worstSigmaDeg: Double, executor: Executor, callback: HeadingCallback): CompassHandle =
-        listening(executor, callback::onHeading) { heading(withinMs.milliseconds, worstSigmaDeg) }
+        handover.listening(executor, callback::onHeading) { heading(withinMs.milliseconds, worstSigmaDeg) }
 
-    /** Records for Java, as the other `record`, until the answer is closed, the source ends, or 100 MB are written. */
+    /** Records as the other `record`, for Java, until the handle is closed, the source ends, or 100 MB are written. */
     public fun record(file: File, executor: Executor, callback: RecordingCallback): CompassHandle =
-        listening(executor, { _, error -> callback.onEnd(file, error) }, isToldOfClosing = true) { record(file) }
+        handover.listening(executor, { _, error -> callback.onEnd(file, error) }, isToldOfClosing = true) { record(file) }
 
     /**
-     * Ends the readings of every collector, releases the sensors, saves the calibration and frees the estimator, in the background.
-     * Collecting afterwards throws [MagcompException.Closed]. Without it the garbage collector frees what is left.
+     * Ends the readings of every collector. In the background it releases the sensors, saves the calibration and frees the estimator.
+     * Collecting afterwards throws [MagcompException.Closed]. The garbage collector frees a compass that nobody closed.
      */
     override fun close() {
         shared.close {
@@ -342,7 +335,7 @@ public class Compass internal constructor(
         }
     }
 
-    /** What needs no compass. */
+    /** Functions and constants that need no compass. */
     public companion object {
         /** Readings that wait for a slow collector of [readings]: 80 s at 100 Hz, about 4 MB. */
         public const val MOST_WAITING: Int = 8192
@@ -357,8 +350,8 @@ public class Compass internal constructor(
             Compass(source, config, store, graceMs.milliseconds)
 
         /**
-         * Begins to load the native library, which the first call would else wait for, and returns at once: 0.1 s of a processor or more.
-         * Any thread may call it, the main thread too, as often as it likes. What goes wrong is told by the first call.
+         * Begins to load the native library in the background and returns at once. Otherwise the first call waits for it, 0.1 s or more. Any
+         * thread may call this, the main thread too, any number of times. If loading fails, the first call says so.
          */
         @JvmStatic
         public fun preload() {

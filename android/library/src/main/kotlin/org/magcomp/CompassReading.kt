@@ -1,26 +1,27 @@
 package org.magcomp
 
 import android.content.res.Resources
+import org.magcomp.core.*
 
 /**
- * What most apps show of a reading. It has neither `copy` nor components, so later versions may add properties and break nobody.
+ * What most apps show of a reading.
  *
- * @property details all else: the corrected field, the raw sample, where to turn next
+ * @property details everything else: the corrected field, the raw sample, where to turn next
  */
 public class CompassReading internal constructor(public val details: CompensatedReading) {
     /** Time of the magnetometer sample, nanoseconds. */
     public val timeNs: Long get() = details.answer.timeNs
 
-    /** Clockwise from magnetic north, degrees, 0 to 360; null: there is none, and [stream] or else [status] says why. */
+    /** The heading, clockwise from magnetic north, degrees, 0 to 360. It is null where there is none; [stream], or else [status], says why. */
     public val headingDeg: Double? get() = details.answer.headingDeg
 
-    /** One standard deviation of it, degrees. */
+    /** One standard deviation of [headingDeg], degrees. */
     public val headingSigmaDeg: Double? get() = details.answer.headingSigmaDeg
 
-    /** Clockwise from true north, degrees, 0 to 360; null also before [Compass.setPlace]. */
+    /** The heading, clockwise from true north, degrees, 0 to 360. It is null also before [Compass.setPlace]. */
     public val trueHeadingDeg: Double? get() = details.answer.trueHeadingDeg
 
-    /** How the phone is turned: [rotationMatrix] and [orientation] have it in Android's ways. */
+    /** How the phone is turned. [rotationMatrix] and [orientation] give it as Android does. */
     public val attitude: DeviceAttitude? get() = details.answer.attitude
 
     /** What the compass is doing, and why. */
@@ -29,13 +30,13 @@ public class CompassReading internal constructor(public val details: Compensated
     /** Whether the sensors deliver what a heading is made of. While the magnetometer is silent, [status] is `Rejected`. */
     public val stream: StreamStatus get() = details.stream
 
-    /** One sentence an app may show: what the stream lacks or else the status, in the language of [resources]. */
+    /** One sentence for a screen, in the language of [resources]: what the stream lacks, or else the status. */
     public fun text(resources: Resources): String = stream.text(resources) ?: status.text(resources)
 
-    /** What the user can do for a better heading, in the language of [resources]; null: nothing. */
+    /** What the user can do for a better heading, in the language of [resources]; null if there is nothing to do. */
     public fun guidance(resources: Resources): String? = if (stream == StreamStatus.Live) status.guidance(resources) else null
 
-    /** What headings from outside are worth ([Compass.aid]); null where none came of late. */
+    /** What headings from outside are worth ([Compass.aid]); null if none came of late. */
     public val headingAid: HeadingAid? get() = details.headingAid
 
     /** The heading as a screen reader says it, in the language of [resources]. */

@@ -10,6 +10,7 @@ import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.ExperimentalCoroutinesApi
 import kotlinx.coroutines.async
 import kotlinx.coroutines.suspendCancellableCoroutine
+import org.magcomp.core.*
 
 /** What a Java app implements to get readings. */
 public interface CompassReadingListener {
@@ -17,12 +18,12 @@ public interface CompassReadingListener {
     public fun onReading(reading: CompensatedReading)
 
     /**
-     * There are no more readings, because the source ended or for this error: a [SensorException], a
-     * [RecordingException], a [java.io.IOException] of a recording's file, a [MagcompException], a [NativeLibraryException],
-     * or what the source or [onReading] threw; an [Error] is the cause of an [ExecutionException]. Not called after closing.
+     * There are no more readings: the source has ended, or there was this error. It is a [CompassException], a [java.io.IOException] of a
+     * recording's file, or an exception of the source or of [onReading]. An [Error] is the cause of an [ExecutionException]. The compass does
+     * not call this after the handle was closed.
      *
-     * An executor that was shut down gets no call: with a [RejectedExecutionException] this one comes on a thread of the compass. One that
-     * forgets what it has accepted, as after `shutdownNow`, is waited for until the [CompassHandle] is closed: close it first.
+     * Where the executor was shut down, a thread of the compass calls this with a [RejectedExecutionException]. Close the [CompassHandle]
+     * before `shutdownNow`: an executor that forgets what it has accepted is waited for until then.
      */
     public fun onEnd(error: Exception?)
 }
@@ -39,31 +40,32 @@ public interface HeadingListener {
 /** What a Java app implements to get one heading. */
 public fun interface HeadingCallback {
     /**
-     * The heading, or the latest reading, whose [CompassReading.text] says why there is none, or null where no reading came; or else the
-     * error, as of [CompassReadingListener.onEnd]. Called once; not after closing.
+     * There is a heading; or the latest reading, whose [CompassReading.text] says why it has none; or null if no reading came; or the error,
+     * as in [CompassReadingListener.onEnd]. The compass calls this once, and not after the handle was closed.
      */
     public fun onHeading(reading: CompassReading?, error: Exception?)
 }
 
 /** What a Java app implements to know when a recording has ended. */
 public fun interface RecordingCallback {
-    /** The file is whole now, also after closing; or the error, such as a [java.io.IOException]. Called once. */
+    /** The file is whole now, or there was an error, such as a [java.io.IOException]. The compass calls this once, also after closing. */
     public fun onEnd(file: File, error: Exception?)
 }
 
 /** A use of a [Compass] by Java, until it is closed. */
 public class CompassHandle internal constructor(private val end: () -> Unit) : AutoCloseable {
-    /** Ends it. A call of the listener that is under way is finished; none follows. Any thread may call it, also twice. */
+    /** Ends the use. A call of the listener that is under way goes on to its end, and none follows. Any thread may call this, also twice. */
     override fun close(): Unit = end()
 }
 
 /**
  * Does [what] for a listener, and gives [end] what it answered, or the error, on the executor. Closing ends it at once, whatever the executor does.
+ * No thread that delivers calls [end].
  *
  * @param isToldOfClosing whether [end] gets neither when the handle was closed; else it is not called then
  */
 @OptIn(ExperimentalCoroutinesApi::class) // getCompleted
-internal fun <T> listening(executor: Executor, end: (T?, Exception?) -> Unit, isToldOfClosing: Boolean = false, what: suspend () -> T): CompassHandle {
+internal fun <T> Handover.listening(executor: Executor, end: (T?, Exception?) -> Unit, isToldOfClosing: Boolean = false, what: suspend () -> T): CompassHandle {
     val isClosed = AtomicBoolean()
     // it hands over to the executor and does no work of its own: so no work of others holds it up
     val work = CoroutineScope(Dispatchers.Unconfined).async { what() }
@@ -71,9 +73,9 @@ internal fun <T> listening(executor: Executor, end: (T?, Exception?) -> Unit, is
         val told = if (isClosed.get()) null else error?.asException()
         val answer = if (error == null) work.getCompleted() else null
         try {
-            executor.execute { if (isToldOfClosing || !isClosed.get()) end(answer, told) }
+            executor.execute { run { if (isToldOfClosing || !isClosed.get()) end(answer, told) } }
         } catch (e: RejectedExecutionException) {
-            if (isToldOfClosing || !isClosed.get()) end(answer, told ?: e)
+            run { if (isToldOfClosing || !isClosed.get()) end(answer, told ?: e) }
         }
     }
     return CompassHandle {

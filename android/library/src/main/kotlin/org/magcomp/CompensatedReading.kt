@@ -1,20 +1,20 @@
 package org.magcomp
 
+import org.magcomp.core.*
+
 /**
  * The answer to one magnetometer sample, as collectors get it. It never changes.
  *
- * @property unseenDirections where the field has not pointed yet, unit vectors in the device frame: the app may ask its
- *   user to turn the phone so that it does. Renewed several times a second
- * @property droppedBefore readings dropped right before this one because the collector was slow; the estimator saw
- *   every sample all the same
- * @property sensors the phone's sensors that are used; null when the source knows none, as a recording
+ * @property unseenDirections where the field has not pointed yet, unit vectors in the device frame. The app may ask its user to turn the
+ *   phone so that it does. The compass renews them several times a second
+ * @property droppedBefore how many readings the collector lost right before this one because it was slow. The estimator saw every sample
+ * @property sensors the phone's sensors in use; null if the source knows none, as a recording
  * @property storeError the error that the calibration store threw last, or [MagcompException.KeptDamaged] or
- *   [MagcompException.KeptNewer] for the text that it had kept; null without an error. Readings go on, and the next
- *   save tries again
- * @property headingAid what headings from outside are worth ([Compass.aid]); null where none came in the last two minutes. Renewed several
- *   times a second
- * @property stream whether the sensors deliver what a heading is made of; where the magnetometer is silent ([StreamStatus.Silent]) this
- *   reading is of no sample: its heading, attitude and fields are null, its [sample] is NaN, its status `Rejected`
+ *   [MagcompException.KeptNewer] for the text that it had kept; null without an error. Readings go on, and the next save tries again
+ * @property headingAid what headings from outside are worth ([Compass.aid]); null if none came in the last two minutes. The compass renews it
+ *   several times a second
+ * @property stream whether the sensors deliver what a heading is made of. A magnetometer that is silent ([StreamStatus.Silent]) makes a reading
+ *   without a sample: its heading, attitude and fields are null, its [sample] is NaN, its status is `Rejected`
  */
 public class CompensatedReading internal constructor(
     internal val answer: Answer,
@@ -28,7 +28,7 @@ public class CompensatedReading internal constructor(
     internal var number: Long = 0,
 ) {
     /**
-     * One of records, for an app's own tests and previews.
+     * Makes a reading of records, for an app's own tests and previews.
      *
      * @param reading corrected field, heading, and what the compensator is doing
      * @param sample the raw sample it answers
@@ -44,14 +44,11 @@ public class CompensatedReading internal constructor(
         stream: StreamStatus = StreamStatus.Live,
     ) : this(Answer(reading, sample), unseenDirections, droppedBefore, sensors, storeError, headingAid, stream)
 
-    /** Corrected field, heading, and what the compensator is doing. Made when it is first asked for. */
+    /** Corrected field, heading, and what the compensator is doing. The record is made when it is first asked for. */
     public val reading: MagneticReading get() = answer.reading
 
-    /** The raw sample it answers. Made when it is first asked for. */
+    /** The raw sample that this answers. The record is made when it is first asked for. */
     public val sample: MagneticSample get() = answer.sample
-
-    /** The [reading], for `{ (reading) -> ... }`. */
-    public operator fun component1(): MagneticReading = reading
 
     /** Whether it tells that there are no samples. It is true until the next reading. */
     internal val isSilence: Boolean get() = (stream as? StreamStatus.Silent)?.sensors?.contains(PhoneSensor.MAGNETOMETER) == true

@@ -3,6 +3,7 @@ package org.magcomp
 import kotlin.math.abs
 import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.flow.StateFlow
+import org.magcomp.core.*
 
 /**
  * A compensator with what surrounds it: a store, a heading frame, guidance. One thread at a time, but for [save].
@@ -41,6 +42,7 @@ internal class Estimation(
     private var unseen = emptyList<DeviceVector>()
     private var lookedNs: Long? = null
     private var latestNs = Long.MIN_VALUE
+    private var latest: Answer? = null
     private var begun = false
     private val vertical = Vertical()
 
@@ -165,7 +167,8 @@ internal class Estimation(
         } else {
             compensator.push(sample.timeNs, sample.x, sample.y, sample.z, reported.x, reported.y, reported.z, buffer)
         }
-        val answer = Answer(buffer, sample)
+        val answer = Answer(buffer, sample, latest)
+        latest = answer
         // a time that is refused may be any
         if (answer.status !is CompensationStatus.Rejected) {
             isInForce = !buffer.xUt.isNaN()

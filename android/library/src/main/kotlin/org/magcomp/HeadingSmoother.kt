@@ -5,9 +5,9 @@ import kotlin.math.pow
 /**
  * Smooths an angle for a screen: s += (1 - 2^(-dt / h)) wrap(a - s), with half-life h, so that 359 and 1 degrees are 2
  * degrees apart. The smoothed angle lags by about 1.4 half-lives. Use it for a rose on a screen, not where an app
- * computes with headings. The library itself smooths no reading. Not thread-safe.
+ * computes with headings. The library itself smooths no reading. A smoother is not thread-safe.
  *
- * @property halfLifeS after so many seconds half of a step is followed; 0 or above, 0 smooths nothing
+ * @property halfLifeS the seconds after which half of a step is followed, 0 or above; 0 smooths nothing
  */
 public class HeadingSmoother(public val halfLifeS: Double) {
     init {

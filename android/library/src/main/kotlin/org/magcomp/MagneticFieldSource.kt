@@ -7,27 +7,28 @@ import kotlinx.coroutines.ensureActive
 import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.StateFlow
 import kotlinx.coroutines.launch
+import org.magcomp.core.*
 
 /** Where events come from: a phone's sensors ([SensorManagerSource]), a recording ([RecordingSource]), or your own. */
 public interface MagneticFieldSource {
     /**
-     * The events, each sensor's in the order of their times. Cold: every collector starts its own, and ends it by
-     * cancelling. No event may be dropped on the way.
+     * The events, each sensor's in the order of their times. The flow is cold: every collector starts its own, and cancels it. The source may
+     * drop no event.
      */
     public fun samples(): Flow<SensorSample>
 
     /**
-     * The phone's sensors that are used, null before [samples] has chosen them; null when the source knows none. A magnetometer that is
-     * silent ends the heading of a [Compass] ([StreamStatus.Silent]).
+     * The phone's sensors in use, with the value null before [samples] has chosen them; null if the source knows none. A magnetometer that
+     * is silent ends the heading of a [Compass] ([StreamStatus.Silent]).
      */
     public val sensors: StateFlow<SensorsInUse?>? get() = null
 
-    /** Largest component that the magnetometer can measure, microtesla; null where that is not known. */
+    /** The largest component that the magnetometer can measure, microtesla; null if that is not known. */
     public val fullScaleUt: Double? get() = null
 
     /**
-     * Seconds that have passed so far and that the events' times do not show, because the phone slept; never less than before. Read
-     * with every magnetometer sample; what it grew by goes to [Compensator.pushGap].
+     * The seconds so far that the events' times do not show because the phone slept. They never fall. A [Compass] reads them with every
+     * magnetometer sample, and tells its estimator by how much they grew ([Compensator.pushGap]).
      */
     public val hiddenS: Double get() = 0.0
 

@@ -2,8 +2,10 @@
 
 package org.magcomp
 
+import android.view.Surface
 import kotlin.math.asin
 import kotlin.math.atan2
+import org.magcomp.core.*
 
 /**
  * The attitude as Android's `SensorManager.getRotationMatrix` writes it: nine numbers, row by row, which take a vector of the device to
@@ -53,6 +55,19 @@ public fun DeviceAttitude.orientation(screenRotation: ScreenRotation = ScreenRot
         pitchDeg = Math.toDegrees(asin((-top(2)).coerceIn(-1.0, 1.0))),
         rollDeg = Math.toDegrees(atan2(-right(2), r[8])),
     )
+}
+
+/**
+ * How far the screen has turned, for [Compass.screenRotation].
+ *
+ * @param displayRotation `Display.getRotation()`: `Surface.ROTATION_0` to `ROTATION_270`
+ */
+public fun screenRotation(displayRotation: Int): ScreenRotation = when (displayRotation) {
+    Surface.ROTATION_0 -> ScreenRotation.DEG0
+    Surface.ROTATION_90 -> ScreenRotation.DEG90
+    Surface.ROTATION_180 -> ScreenRotation.DEG180
+    Surface.ROTATION_270 -> ScreenRotation.DEG270
+    else -> throw IllegalArgumentException("displayRotation is $displayRotation, expected Surface.ROTATION_0 to ROTATION_270")
 }
 
 /** Of the unit quaternion. */

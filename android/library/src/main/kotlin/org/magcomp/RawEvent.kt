@@ -1,5 +1,7 @@
 package org.magcomp
 
+import org.magcomp.core.*
+
 /** One event of a sensor as numbers. It is used again: who gets one is done with it when it returns. */
 internal class RawEvent {
     /** [ROTATION_RATE], [UP] or [MAGNETIC]. */

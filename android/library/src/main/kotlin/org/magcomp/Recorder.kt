@@ -13,27 +13,26 @@ import kotlinx.coroutines.flow.map
 import kotlinx.coroutines.withContext
 
 /**
- * Writes the raw events of a source to a file until it is cancelled, the source ends, or [mostBytes] are written: `magcomp replay` reads
- * it, and [RecordingSource] plays it. It holds no compass up: it takes part in the sensors as another collector does. A process that is
- * killed loses the last second.
+ * Writes the raw events of a source to a file until it is cancelled, the source ends, or [mostBytes] are written. `magcomp replay` reads the
+ * file, and [RecordingSource] plays it. A recording takes part in the sensors as any collector does, so it holds no compass up. A process
+ * that is killed loses the last second.
  *
- * Every event is in the file, a row of its own, with the other sensors' cells empty; those of one time share a row. The columns:
- * - `t_s`: seconds since the first event, each row's after that of the row before: the order in which a compass gets the events
- * - `own_t_s`: the time that the event itself has, where that is another one. The event came late, or a second time, or its sensor has another
- *   clock than the magnetometer: then `t_s` is on the magnetometer's clock, or, where that is not made out yet, a nanosecond after the row before
+ * Every event is in the file. It has its own row, and the other sensors' cells are empty; events of the same time share a row. The columns:
+ * - `t_s`: seconds since the first event, in the order in which a compass gets the events: each row's are more than those of the row before
+ * - `own_t_s`: the event's own time, where it is another one because the event came late, or twice, or because its sensor has another clock
+ *   than the magnetometer. Then `t_s` is on the magnetometer's clock, or a nanosecond after the row before while that is not made out
  * - `mx,my,mz`: the raw field, microtesla; `sys_mx,sys_my,sys_mz`: the field as the system corrects it, microtesla; `sys_accuracy`: how far
  *   the system trusts it, 0 (not at all) to 3 (high), empty where it has not said
  * - `ax,ay,az`: gravity or acceleration, m/s^2, pointing up at rest; `gx,gy,gz`: rad/s
  * - `about`: in the first row, the library's version, the phone's maker and model, its Android, and the sensors' names
  *
- * No place and no date is in it.
+ * The file holds no place and no date.
  *
- * @param file a `.csv`, or a `.csv.gz`, which is a third as large. It may be there, and empty
- * @param mostBytes the size of the text, before it is packed, at which the file ends, at least 1000. Default 100 MB, about two hours at
- *   100 Hz
- * @return the events that were written
- * @throws java.io.IOException when the file can't be written; what was written before stays. A [FileAlreadyExistsException] when
- *   something is in it already, which stays
+ * @param file a `.csv`, or a `.csv.gz`, which is a third as large. It may exist if it is empty
+ * @param mostBytes the size of the unpacked text at which the file ends, at least 1000. Default 100 MB, about two hours at 100 Hz
+ * @return how many events were written
+ * @throws java.io.IOException when the file can't be written; what was written stays. It is a [FileAlreadyExistsException] when something
+ *   was in the file
  */
 public suspend fun MagneticFieldSource.record(file: File, mostBytes: Long = 100_000_000): Long = record(file, mostBytes, System::nanoTime)
 
@@ -143,7 +142,8 @@ private class Rows(private val out: OutputStream, private val mostBytes: Long, p
 
     private fun about(): String {
         val used = sensors?.run {
-            listOfNotNull(magnetometer to "magnetometer", up to "up", gyroscope to "gyroscope").mapNotNull { (sensor, name) -> sensor?.let { "$name ${it.name} of ${it.vendor}" } }
+            listOf(magnetometer to "magnetometer", up to "up", gyroscope to "gyroscope")
+                .mapNotNull { (sensor, name) -> sensor?.let { "$name ${it.name} of ${it.vendor}" } }
         }
         val all = listOf("magcomp $VERSION", "${Build.MANUFACTURER} ${Build.MODEL}, Android ${Build.VERSION.RELEASE}") + used.orEmpty()
         return "\"${all.joinToString("; ").filter { it in ' '..'~' }.take(LONGEST_ABOUT).replace("\"", "\"\"")}\""

@@ -7,6 +7,7 @@ import kotlin.math.abs
 import kotlin.math.floor
 import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.flow
+import org.magcomp.core.*
 
 /**
  * A recording is not in order.
@@ -16,12 +17,13 @@ import kotlinx.coroutines.flow.flow
  * @property column column's name, or null when the line as a whole is wrong
  */
 public class RecordingException(public val name: String, public val line: Int, public val column: String?, what: String) :
-    Exception("$name, line $line" + (column?.let { ", column $it" } ?: "") + ": $what")
+    CompassException("$name, line $line" + (column?.let { ", column $it" } ?: "") + ": $what")
 
 /**
  * A recording as CSV, for tests and demos: `t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz]` in any order, seconds, microtesla,
- * m/s^2 (pointing up at rest), rad/s; other columns are ignored. Every row is a gyroscope event, an `up` event and a magnetometer event, in this order, as far as it has them: a row
- * may leave all three cells of a sensor empty. A cell may stand in quotation marks. What [record] and `magcomp import` write is such a recording.
+ * m/s^2 (pointing up at rest), rad/s; other columns are ignored. Every row is a gyroscope event, an `up` event and a magnetometer event, in
+ * this order, as far as it has them: a row may leave all three cells of a sensor empty. A cell may stand in quotation marks. [record] and
+ * `magcomp import` write such recordings.
  *
  * Collecting does not wait between rows and fails with [RecordingException] where the recording is not in order, and with
  * [java.io.IOException] when its file can't be read.

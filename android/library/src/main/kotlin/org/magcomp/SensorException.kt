@@ -1,7 +1,7 @@
 package org.magcomp
 
-/** The phone's sensors can't be used as asked. The message says what an app can do. */
-public sealed class SensorException(message: String, cause: Throwable? = null) : Exception(message, cause) {
+/** The phone's sensors can't be used as asked. The message tells the developer what to do. */
+public sealed class SensorException(message: String, cause: Throwable? = null) : CompassException(message, cause) {
     /**
      * The phone has no such sensor.
      *

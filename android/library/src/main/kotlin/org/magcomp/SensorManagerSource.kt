@@ -13,17 +13,17 @@ import kotlinx.coroutines.flow.StateFlow
 import kotlinx.coroutines.flow.asStateFlow
 import kotlinx.coroutines.flow.flow
 import kotlinx.coroutines.flow.map
+import org.magcomp.core.*
 
 /**
  * The phone's own sensors: the uncalibrated magnetometer (the calibrated one where there is no other), gravity (else
  * the accelerometer) and the gyroscope.
  *
- * Any number of compasses and collectors of [samples] may use one source, and come and go: they share one listener, one thread and what is
- * known of the sensors, from the first to the last of them. Collecting fails with [SensorException] when a sensor or a permission is
- * missing or the system refuses. Without a gyroscope it goes on, and [sensors] says why. Events arrive in the order of their times
- * ([SensorOptions.holdS]). The times are those of the magnetometer: a sensor whose clock is another one, as its events' arrival shows
- * within about a second, is brought to it. A sensor that is registered and delivers nothing is told in [UsedSensor.isSilent]; where gravity
- * alone is silent, the accelerometer takes its place.
+ * Any number of compasses and collectors of [samples] may share one source. From the first to the last of them they have one listener and
+ * one thread. Collecting fails with [SensorException] when a sensor or a permission is missing or the system refuses. Without a gyroscope
+ * it goes on, and [sensors] says why. Events come in the order of their times ([SensorOptions.holdS]), on the magnetometer's clock: when a
+ * sensor's events arrive shows within about a second whether it has another clock. [UsedSensor.isSilent] tells of a sensor that is registered
+ * and delivers nothing. The accelerometer takes gravity's place where gravity alone is silent.
  */
 public class SensorManagerSource internal constructor(
     private val manager: SensorManager,
@@ -33,7 +33,7 @@ public class SensorManagerSource internal constructor(
     private val above200Hz: () -> Boolean,
 ) : MagneticFieldSource {
 
-    /** The sensors of the phone behind a context; the context itself is not kept, only that of its application. */
+    /** The sensors of the phone behind a context. The source keeps the application's context alone. */
     @JvmOverloads
     public constructor(context: Context, options: SensorOptions = SensorOptions()) : this(
         // of the application: the manager keeps its context
@@ -47,16 +47,16 @@ public class SensorManagerSource internal constructor(
 
     override val sensors: StateFlow<SensorsInUse?> = inUse.asStateFlow()
 
-    /** Android's `Sensor.getMaximumRange`; null where a driver says less than 100 or more than 100 000 microtesla, which is no full scale. */
+    /** Android's `Sensor.getMaximumRange`; null if a driver says less than 100 or more than 100 000 microtesla, which is no full scale. */
     override val fullScaleUt: Double?
         get() = magnetometer()?.maximumRange?.toDouble()?.takeIf { it in LEAST_FULL_SCALE_UT..LARGEST_FULL_SCALE_UT }
 
     private val sleep = Sleep()
 
-    /** Android's times count sleep on most phones; on those whose sensors count without it, it is seen beside `elapsedRealtimeNanos`. */
+    /** On most phones the sensors' times count sleep. Where they do not, this is how far they fall behind `elapsedRealtimeNanos`. */
     override val hiddenS: Double get() = sleep.hiddenS
 
-    /** The same for most phones. */
+    /** On most phones this is the same time. */
     override fun eventTimeNs(elapsedRealtimeNs: Long): Long = elapsedRealtimeNs - sleep.behindNs
 
     /** While anyone takes its events; within the lock of this source, in which nobody else's code is called. */
@@ -66,7 +66,7 @@ public class SensorManagerSource internal constructor(
     internal val mostBetweenNs: Long get() = 1000L * options.maxReportLatencyUs + 1_000_000_000L / options.slowestHz + Clocks.SAME_NS.toLong()
 
     /**
-     * As of every source. A collector that takes none for a minute gets [SensorException.NotTaken] after those that have waited.
+     * The events. A collector that takes none for a minute gets those that have waited, then [SensorException.NotTaken].
      */
     override fun samples(): Flow<SensorSample> = events().map { it.toSample() }
 
@@ -133,11 +133,11 @@ public class SensorManagerSource internal constructor(
         ?: manager.getDefaultSensor(Sensor.TYPE_ACCELEROMETER)
         ?: throw SensorException.Missing("accelerometer", "without a heading, use SensorOptions(up = false)")
 
-    /** What can be asked before anything is collected. */
+    /** A question to ask before anything is collected. */
     public companion object {
         /**
-         * Whether the phone has what a heading needs: a magnetometer, and gravity or an accelerometer. A gyroscope makes it better and is
-         * not asked for. It registers nothing.
+         * Whether the phone has what a heading needs: a magnetometer, and gravity or an accelerometer. A gyroscope makes the heading better,
+         * and this does not ask for it. Nothing is registered.
          */
         @JvmStatic
         public fun isAvailable(context: Context): Boolean {

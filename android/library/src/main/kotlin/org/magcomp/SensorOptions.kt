@@ -1,24 +1,24 @@
 package org.magcomp
 
 import android.hardware.Sensor
+import org.magcomp.core.*
 
 /**
  * How the phone's sensors are asked.
  *
- * @property rateHz events a second of each sensor, 1 to 1000; the system takes it as a wish. 50 to 100 serve a compass; below 20 Hz the
+ * @property rateHz events a second of each sensor, 1 to 1000. The system takes it as a wish. 50 to 100 serve a compass; below 20 Hz the
  *   headings of a phone that moves are wrong by tens of degrees. Above 200 Hz Android 12 and newer want the permission
  *   `android.permission.HIGH_SAMPLING_RATE_SENSORS`. Default 100
- * @property maxReportLatencyUs how long the system may collect events before it delivers them, microseconds; more saves
- *   power and delays readings; above 200 000 it makes them worse too, as events come sensor by sensor and wait for each other for
- *   0.25 s at the most. Default 0: at once
- * @property gyroscope whether the gyroscope is used where there is one and the system delivers it. Default true
- * @property up whether gravity, else the accelerometer, is used; without it there is no heading. Default true
- * @property holdS longest that an event waits for those of the other sensors, so that all go in the order of their times, 0 to
- *   0.25 s (see [EventQueue]); 0: as they are delivered. Default null: 0.05 beyond [maxReportLatencyUs], at most 0.25
- * @property magnetometerRateHz the same as [rateHz] for the magnetometer alone, which is how many readings come: fewer save work, and
- *   what the gyroscope tells between two of them still counts. Default null: [rateHz]
+ * @property maxReportLatencyUs how long the system may collect events before it delivers them, microseconds. A larger one saves power and
+ *   delays readings. Above 200 000 readings get worse too: events come sensor by sensor, and wait for each other 0.25 s at most. Default 0
+ * @property gyroscope whether the gyroscope is used. Default true
+ * @property up whether gravity, else the accelerometer, is used. Without it there is no heading. Default true
+ * @property holdS how long an event may wait for those of the other sensors, so that all go in the order of their times, 0 to 0.25 s
+ *   ([EventQueue]). With 0 events go as they are delivered. The default, null, is 0.05 beyond [maxReportLatencyUs], at most 0.25
+ * @property magnetometerRateHz events a second of the magnetometer alone, so how many readings come. Fewer save work, and what the gyroscope
+ *   tells between two of them still counts. The default, null, is [rateHz]
  */
-public data class SensorOptions @JvmOverloads constructor(
+public class SensorOptions @JvmOverloads constructor(
     public val rateHz: Int = 100,
     public val maxReportLatencyUs: Int = 0,
     public val gyroscope: Boolean = true,

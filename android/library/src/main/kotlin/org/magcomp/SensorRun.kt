@@ -7,6 +7,7 @@ import android.hardware.SensorManager
 import kotlinx.coroutines.flow.MutableStateFlow
 import kotlinx.coroutines.flow.update
 import kotlinx.coroutines.flow.updateAndGet
+import org.magcomp.core.*
 
 /** Gets the events of a run: one call at a time, on the sensors' thread. */
 internal interface EventTaker {
@@ -88,7 +89,7 @@ internal class SensorRun(
         }
     }
 
-    /** Registers the sensors for [first], which misses none of their events. Where it throws, none is left registered. */
+    /** Registers the sensors for [first], which misses none of their events. Where it throws, none is left registered, and [first] is called no more. */
     fun start(first: EventTaker, magnetometer: Sensor, up: Sensor?, gyroscope: Sensor?, withoutGyroscope: String?) {
         try {
             // before the first event
@@ -102,6 +103,8 @@ internal class SensorRun(
                 hearAll { it.copy(gyroscope = null, withoutGyroscope = e.message) }
             }
         } catch (e: SensorException) {
+            // before the end, which lets the thread do what was delivered already
+            remove(first)
             end()
             throw e
         }

@@ -1,12 +1,14 @@
 package org.magcomp
 
+import org.magcomp.core.*
+
 /**
- * The phone's sensors that are used.
+ * The phone's sensors in use.
  *
- * @property magnetometer the uncalibrated one, else the calibrated one
- * @property up gravity, else the accelerometer, also where gravity is silent while others are not; null when it was not asked for
- * @property gyroscope null when it is not used
- * @property withoutGyroscope why not, in a sentence; null when it is used
+ * @property magnetometer the uncalibrated magnetometer, else the calibrated one
+ * @property up gravity, else the accelerometer, which also takes over where gravity alone is silent; null if it was not asked for
+ * @property gyroscope null if it is not used
+ * @property withoutGyroscope why the gyroscope is not used, in a sentence; null if it is
  */
 public data class SensorsInUse(
     public val magnetometer: UsedSensor,
@@ -19,12 +21,11 @@ public data class SensorsInUse(
  * One sensor of the phone.
  *
  * @property type Android's: `Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED` and so on
- * @property name as its maker calls it
+ * @property name the maker's name for it
  * @property vendor its maker
- * @property accuracy what the system says of it last
- * @property isSilent it is registered, and has delivered nothing for 2 s beyond the latency that was asked for, or nothing that is an
- *   event of three numbers. All sensors are while an app is in the background without a foreground service; one alone is broken.
- *   It counts no longer as soon as an event comes
+ * @property accuracy what the system last said of it
+ * @property isSilent whether it is registered and has delivered no event of three numbers for 2 s beyond the latency that was asked for. All
+ *   sensors are silent while an app is in the background without a foreground service; one that is silent alone is broken
  */
 public data class UsedSensor @JvmOverloads constructor(
     public val type: Int,
@@ -36,7 +37,7 @@ public data class UsedSensor @JvmOverloads constructor(
 
 /** How far the system trusts a sensor: Android's `SENSOR_STATUS_...`. */
 public enum class SensorAccuracy {
-    /** It has not said yet. */
+    /** The system has not said yet. */
     UNKNOWN,
 
     /** The sensor measures nothing. */

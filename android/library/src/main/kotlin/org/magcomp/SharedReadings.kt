@@ -18,6 +18,7 @@ import kotlinx.coroutines.launch
 import kotlinx.coroutines.sync.Mutex
 import kotlinx.coroutines.sync.withLock
 import kotlinx.coroutines.withContext
+import org.magcomp.core.*
 
 /**
  * One run of readings for all who collect at the same time. It begins with the first collector and ends by itself, or when no

@@ -2,6 +2,7 @@
 package org.magcomp
 
 import kotlin.math.abs
+import org.magcomp.core.*
 
 internal fun CompensationStatus.text(strings: Strings): String = when (this) {
     is CompensationStatus.Collecting -> strings.say(R.string.magcomp_status_collecting, missing.text(strings))

@@ -1,5 +1,7 @@
 package org.magcomp
 
+import org.magcomp.core.*
+
 /** A sensor of the phone that a heading is made of. */
 public enum class PhoneSensor {
     /** The uncalibrated magnetometer, else the calibrated one. */
@@ -17,16 +19,16 @@ public enum class PhoneSensor {
  * does not come.
  */
 public sealed class StreamStatus {
-    /** It has. */
+    /** The stream has all of it. */
     public data object Live : StreamStatus()
 
     /**
-     * Sensors in use have delivered nothing for 2 s beyond the latency that was asked for. All do so while an app is in the background
-     * without a foreground service; one alone is broken. Without the magnetometer there is no heading: one reading tells it, whose heading,
-     * attitude and field are null, and the next one comes with the next event. Without gravity the gyroscope carries the heading on, and
-     * without the gyroscope gravity does, less sure; without both it ends.
+     * Sensors in use have delivered nothing for 2 s beyond the latency that was asked for. All sensors are silent while an app is in the
+     * background without a foreground service; one that is silent alone is broken. A silent magnetometer ends the heading: one reading tells
+     * so, whose heading, attitude and field are null, and the next reading comes with the next event. Without gravity the gyroscope carries
+     * the heading on; without the gyroscope gravity does, and the heading is less sure; without both it ends.
      *
-     * @property sensors which, at least one
+     * @property sensors the silent ones, at least one
      */
     public class Silent(public val sensors: Set<PhoneSensor>) : StreamStatus() {
         /** Whether the other one names the same sensors. */
@@ -40,8 +42,8 @@ public sealed class StreamStatus {
     }
 
     /**
-     * For a second no sample had an event of gravity or accelerometer near its own time: there is none, or its times are those of another
-     * clock. There is no heading.
+     * For a second no sample had an event of gravity or accelerometer near its own time: none came, or its times are of another clock. There
+     * is no heading.
      */
     public data object NoVertical : StreamStatus()
 }

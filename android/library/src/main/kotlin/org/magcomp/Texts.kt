@@ -5,26 +5,31 @@ package org.magcomp
 import android.content.res.Resources
 import kotlin.math.ceil
 import kotlin.math.roundToInt
+import org.magcomp.core.*
 
 /**
- * One sentence an app may show, in the language of [resources]; an app translates or rewords it with a string resource of the
- * same name. In English it is what `text()` says, without a call into the native library.
+ * One sentence that an app may show, in the language of [resources]. An app translates or rewords it with a string resource of the same
+ * name. In English it is the sentence of `text()`, without a call into the native library.
  */
 public fun CompensationStatus.text(resources: Resources): String = text(resources::getString)
 
 /** One sentence an app may show of a change that was decided, in the language of [resources]. */
 public fun FieldEvent.text(resources: Resources): String = text(resources::getString)
 
-/** One sentence an app may show of what a stream lacks, in the language of [resources]; null: nothing. */
+/** One sentence that an app may show of what a stream lacks, in the language of [resources]; null if it lacks nothing. */
 public fun StreamStatus.text(resources: Resources): String? = text(resources::getString)
 
-/** What the user can do for a better heading, in the language of [resources]; null: nothing. */
+/** What the user can do for a better heading, in the language of [resources]; null if there is nothing to do. */
 public fun CompensationStatus.guidance(resources: Resources): String? = guidance()?.let(resources::getString)
 
 /** One sentence an app may show of what headings from outside are worth, in the language of [resources]. */
 public fun HeadingAid.text(resources: Resources): String = text(resources::getString)
 
-/** The heading as a screen reader says it, in whole degrees, in the language of [resources]; null: that there is none. */
+/** One sentence that an app may show where a compass has ended with this, in the language of [resources]. The message is for the developer. */
+public fun CompassException.text(resources: Resources): String =
+    resources.getString(if (this is SensorException.Missing) R.string.magcomp_error_missing else R.string.magcomp_error)
+
+/** The heading as a screen reader says it, in whole degrees, in the language of [resources]; of null, that there is none. */
 public fun CompassHeading?.spoken(resources: Resources): String = spoken(resources::getString)
 
 /** A string resource with its placeholders filled. */

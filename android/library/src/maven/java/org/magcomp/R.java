@@ -49,5 +49,7 @@ final class R {
         static int magcomp_stream_silent_gravity = 0x7f0e002b;
         static int magcomp_stream_silent_gyroscope = 0x7f0e002c;
         static int magcomp_stream_no_vertical = 0x7f0e002d;
+        static int magcomp_error_missing = 0x7f0e002e;
+        static int magcomp_error = 0x7f0e002f;
     }
 }

@@ -8,6 +8,7 @@ import kotlinx.validation.api.loadApiFromJvmClasses
 import org.junit.jupiter.api.Assertions.assertEquals
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
+import org.magcomp.core.*
 
 class ApiTest {
     @Test

@@ -3,6 +3,7 @@ package org.magcomp
 import java.lang.management.ManagementFactory
 import java.util.Locale
 import org.junit.jupiter.api.Test
+import org.magcomp.core.*
 
 /**
  * What one magnetometer push costs: in bare Rust, over JNI, over uniffi and JNA, on the same samples. A round takes a

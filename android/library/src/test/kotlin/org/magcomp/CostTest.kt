@@ -16,6 +16,7 @@ import kotlinx.coroutines.withTimeout
 import org.junit.jupiter.api.Assertions.assertEquals
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
+import org.magcomp.core.*
 
 /** What a reading costs from the sensors' listener to the collector, with a gyroscope event and one of gravity beside each sample. */
 class CostTest {

@@ -2,8 +2,8 @@ package org.magcomp
 
 import android.hardware.Sensor
 import kotlinx.coroutines.async
-import kotlinx.coroutines.flow.toList
 import kotlinx.coroutines.flow.take
+import kotlinx.coroutines.flow.toList
 import kotlinx.coroutines.runBlocking
 import kotlinx.coroutines.withTimeout
 import kotlinx.coroutines.yield
@@ -14,6 +14,7 @@ import org.junit.jupiter.api.Assertions.assertNotEquals
 import org.junit.jupiter.api.Assertions.assertThrows
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
+import org.magcomp.core.*
 
 class EventQueueTest {
     @Test
@@ -58,8 +59,8 @@ class EventQueueTest {
         assertEquals(0.15, SensorOptions(maxReportLatencyUs = 100_000).heldS, 1e-12)
         assertEquals(0.25, SensorOptions(maxReportLatencyUs = 900_000).heldS)
         // a copy keeps what it was asked for, and what suits the latency follows that
-        assertEquals(0.25, SensorOptions().copy(maxReportLatencyUs = 200_000).heldS, 1e-12)
-        assertEquals(0.01, SensorOptions(holdS = 0.01).copy(maxReportLatencyUs = 200_000).heldS)
+        assertEquals(0.25, SensorOptions(maxReportLatencyUs = 200_000).heldS, 1e-12)
+        assertEquals(0.01, SensorOptions(holdS = 0.01, maxReportLatencyUs = 200_000).heldS)
     }
 
     /** 20 s of a recording at 95 Hz, as Android's sensors deliver it. */
@@ -85,8 +86,7 @@ class EventQueueTest {
 
     private suspend fun readings(events: List<SensorSample>, batchMs: Long, holdS: Double? = null): List<MagneticReading> {
         val sensors = FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_GRAVITY, Sensor.TYPE_GYROSCOPE, hardIron = false)
-        val options = SensorOptions(maxReportLatencyUs = (1000 * batchMs).toInt())
-        val source = sensors.source(holdS?.let { options.copy(holdS = it) } ?: options)
+        val source = sensors.source(SensorOptions(maxReportLatencyUs = (1000 * batchMs).toInt(), holdS = holdS))
         return kotlinx.coroutines.coroutineScope {
             val readings = async { source.samples().compensated().take(events.size / 3 - 50).toList() }
             withTimeout(120_000) { while (sensors.registrations.size < 3) yield() }

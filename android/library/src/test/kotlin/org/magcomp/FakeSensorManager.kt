@@ -15,6 +15,7 @@ import java.util.concurrent.CopyOnWriteArrayList
 import java.util.concurrent.atomic.AtomicInteger
 import kotlinx.coroutines.withTimeout
 import kotlinx.coroutines.yield
+import org.magcomp.core.*
 
 /** Android's own abstract class with sensors that a test plays. As on a phone, each sensor's event object is used again. */
 class FakeSensorManager(vararg types: Int, hardIron: Boolean = true, fullScaleUt: Float = 0f) : SensorManager() {
@@ -33,6 +34,9 @@ class FakeSensorManager(vararg types: Int, hardIron: Boolean = true, fullScaleUt
     /** The most registrations a sensor had at a time. */
     val most = AtomicInteger()
     var refuse: Int? = null
+
+    /** Called when a listener is about to be unregistered. */
+    var unregistering: () -> Unit = {}
 
     /** The clock that counts sleep, when an event is delivered, ns. */
     @Volatile
@@ -112,6 +116,7 @@ class FakeSensorManager(vararg types: Int, hardIron: Boolean = true, fullScaleUt
     }
 
     override fun unregisterListenerImpl(listener: SensorEventListener, sensor: Sensor?) {
+        unregistering()
         registrations.removeIf { it.listener === listener && (sensor == null || it.sensor === sensor) }
     }
 
@@ -156,7 +161,8 @@ class FakeSensorManager(vararg types: Int, hardIron: Boolean = true, fullScaleUt
         private fun sensor(type: Int, fullScaleUt: Float): Sensor {
             val sensor = Sensor::class.java.getDeclaredConstructor().apply { isAccessible = true }.newInstance()
             Sensor::class.java.getDeclaredField("mType").apply { isAccessible = true }.setInt(sensor, type)
-            for ((field, text) in listOf("mName" to if (type == Sensor.TYPE_ACCELEROMETER) "a" else "m\"1\"", "mVendor" to if (type == Sensor.TYPE_ACCELEROMETER) "maker" else "maker, inc")) {
+            val isUp = type == Sensor.TYPE_ACCELEROMETER
+            for ((field, text) in listOf("mName" to if (isUp) "a" else "m\"1\"", "mVendor" to if (isUp) "maker" else "maker, inc")) {
                 Sensor::class.java.getDeclaredField(field).apply { isAccessible = true }.set(sensor, text)
             }
             Sensor::class.java.getDeclaredField("mMaxRange").apply { isAccessible = true }.setFloat(sensor, fullScaleUt)

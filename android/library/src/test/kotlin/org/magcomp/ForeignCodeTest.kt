@@ -6,6 +6,7 @@ import java.util.concurrent.CountDownLatch
 import java.util.concurrent.Executor
 import java.util.concurrent.TimeUnit
 import java.util.concurrent.atomic.AtomicInteger
+import java.util.concurrent.atomic.AtomicReference
 import kotlin.concurrent.thread
 import kotlin.time.Duration.Companion.ZERO
 import kotlinx.coroutines.CoroutineScope
@@ -22,6 +23,7 @@ import org.junit.jupiter.api.Assertions.assertNotNull
 import org.junit.jupiter.api.Assertions.assertNotSame
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
+import org.magcomp.core.*
 
 /** An app's code that blocks, throws or leaves no dispatcher free holds up nobody else. */
 class ForeignCodeTest {
@@ -105,6 +107,28 @@ class ForeignCodeTest {
         }
         assertNotNull(there)
         assertNotSame(Thread.currentThread(), there)
+    }
+
+    @Test
+    fun `the end of a listener that throws, on an executor that runs at once, is told on another thread than that which delivers`() = runBlocking {
+        // as quick as can be: the listener has thrown before the thread that delivers goes on
+        val source = sensors.source(handover = Handover { task -> thread { task.run() }.join() })
+        val told = AtomicReference<Pair<Thread, Exception?>>()
+        val listener = object : CompassReadingListener {
+            override fun onReading(reading: CompensatedReading) = error("of the app")
+
+            override fun onEnd(error: Exception?) = told.set(Thread.currentThread() to error)
+        }
+        // within the grace time, so that nothing ends before it is told
+        val compass = Compass(source)
+        compass.start(Executor { it.run() }, listener)
+        sensors.registered(3)
+        play(1)
+        val (thread, error) = told.get()
+        assertEquals("of the app", error!!.message)
+        assertNotSame(Thread.currentThread(), thread)
+        compass.close()
+        until { sensors.registrations.isEmpty() }
     }
 
     @Test

@@ -2,12 +2,13 @@ package org.magcomp
 
 import java.io.File
 import java.lang.management.ManagementFactory
-import java.util.concurrent.CountDownLatch
 import java.util.concurrent.ConcurrentLinkedQueue
+import java.util.concurrent.CountDownLatch
 import kotlin.concurrent.thread
 import org.junit.jupiter.api.Assertions.assertEquals
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
+import org.magcomp.core.*
 
 class LimitsTest {
     private val values = tumbling(1000)

@@ -12,6 +12,7 @@ import org.junit.jupiter.api.Assertions.assertArrayEquals
 import org.junit.jupiter.api.Assertions.assertEquals
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
+import org.magcomp.core.*
 
 /** The attitude in Android's ways, against Android's own code. */
 class OrientationTest {
@@ -78,7 +79,8 @@ class OrientationTest {
             assertEquals(0.0, off, 3.0 + 2 * reading.headingSigmaDeg!!, "$reading")
         }
         val one = readings.last()
-        assertEquals(one.details.reading.heading, CompassHeading(one.headingDeg!!, one.headingSigmaDeg, one.trueHeadingDeg, one.details.reading.heading!!.inclinationDeg))
+        val heading = one.details.reading.heading!!
+        assertEquals(heading, CompassHeading(one.headingDeg!!, one.headingSigmaDeg, one.trueHeadingDeg, heading.inclinationDeg))
         assertEquals(0.0, Math.IEEEremainder(one.trueHeadingDeg!! - one.headingDeg!! - 3.0, 360.0), 1e-9)
         assertEquals(Pair(one.details.reading.timeNs, one.details.reading.status), Pair(one.timeNs, one.status))
         assertTrue("give or take" in one.spoken(englishResources()))

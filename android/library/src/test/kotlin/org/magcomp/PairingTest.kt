@@ -8,6 +8,7 @@ import kotlin.math.sqrt
 import org.junit.jupiter.api.Assertions.assertEquals
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
+import org.magcomp.core.*
 
 /** Events of three sensors with their own times, through the border as a phone delivers them. */
 class PairingTest {

@@ -23,6 +23,7 @@ import org.junit.jupiter.api.Assertions.assertThrows
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
 import org.junit.jupiter.api.io.TempDir
+import org.magcomp.core.*
 
 class RecorderTest {
     @TempDir
@@ -127,7 +128,8 @@ class RecorderTest {
     @Test
     fun `times that begin again go on in the file, and a pause stays one`() = runBlocking {
         val file = folder.resolve("r.csv")
-        val events = listOf(field(5_000_000_000), field(5_010_000_000), field(10), field(10_000_010), up(10_000_010), rate(3_600_000_000_000), field(3_600_000_000_000))
+        val hourNs = 3_600_000_000_000
+        val events = listOf(field(5_000_000_000), field(5_010_000_000), field(10), field(10_000_010), up(10_000_010), rate(hourNs), field(hourNs))
         assertEquals(7L, Played(events).record(file))
         val times = rows(file).map { it[0] }
         assertEquals(listOf("0.000000000", "0.010000000", "0.010000001", "0.020000001"), times.take(4))
@@ -152,7 +154,8 @@ class RecorderTest {
             }
         }
         recording.cancelAndJoin()
-        assertTrue(file.readLines()[1].endsWith("\"magcomp $VERSION; MAKER MODEL, Android 15; magnetometer m\"\"1\"\" of maker, inc; up a of maker\""), file.readText())
+        val about = "\"magcomp $VERSION; MAKER MODEL, Android 15; magnetometer m\"\"1\"\" of maker, inc; up a of maker\""
+        assertTrue(file.readLines()[1].endsWith(about), file.readText())
         assertTrue("<version>$VERSION</version>" in repository.resolve("android/pom.xml").readText())
     }
 

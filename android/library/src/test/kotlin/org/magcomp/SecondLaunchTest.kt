@@ -9,8 +9,8 @@ import kotlin.math.cos
 import kotlin.math.sin
 import kotlin.math.sqrt
 import kotlin.time.Duration.Companion.ZERO
-import kotlinx.coroutines.cancelAndJoin
 import kotlinx.coroutines.CompletableDeferred
+import kotlinx.coroutines.cancelAndJoin
 import kotlinx.coroutines.flow.flow
 import kotlinx.coroutines.flow.onEach
 import kotlinx.coroutines.flow.toList
@@ -25,6 +25,7 @@ import org.junit.jupiter.api.Assertions.assertNotNull
 import org.junit.jupiter.api.Assertions.assertNull
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
+import org.magcomp.core.*
 
 /** A compass is closed and opened again, through its store: what it says while the phone lies still. */
 class SecondLaunchTest {
@@ -162,7 +163,7 @@ class SecondLaunchTest {
             override fun samples() = flow { events.forEach { emit(it) } }
         }
         val compass = Compass(source, store = store, grace = ZERO).apply { unixTimeS = { nowS } }
-        compass.frame = compass.frame.copy(declinationDeg = 2.0)
+        compass.declinationDeg = 2.0
         runBlocking {
             val first = compass.readings().toList().last().reading
             nowS += 60

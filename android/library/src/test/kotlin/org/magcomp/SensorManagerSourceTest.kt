@@ -1,6 +1,8 @@
 package org.magcomp
 
 import android.hardware.Sensor
+import android.hardware.SensorEvent
+import android.hardware.SensorEventListener
 import android.hardware.SensorManager
 import java.util.concurrent.CopyOnWriteArrayList
 import java.util.concurrent.locks.LockSupport
@@ -21,6 +23,7 @@ import org.junit.jupiter.api.Assertions.assertEquals
 import org.junit.jupiter.api.Assertions.assertThrows
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
+import org.magcomp.core.*
 
 class SensorManagerSourceTest {
     private val all = intArrayOf(
@@ -123,6 +126,30 @@ class SensorManagerSourceTest {
     }
 
     @Test
+    fun `a start that fails calls its taker no more`() {
+        val sensors = FakeSensorManager(*all).apply { refuse = Sensor.TYPE_GRAVITY }
+        val taken = ArrayList<Long>()
+        val taker = object : EventTaker {
+            override fun take(event: RawEvent) {
+                taken += event.timeNs
+            }
+
+            override fun failed(error: Throwable) = throw error
+        }
+        fun deliver() = sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, 1 + taken.size.toLong(), 1f, 2f, 3f)
+        var listener: SensorEventListener? = null
+        sensors.unregistering = {
+            listener = sensors.registrations.single().listener
+            // what was on its way
+            deliver()
+        }
+        assertThrows(SensorException.Refused::class.java) { runBlocking { sensors.source().deliverOnTheirThread(taker) } }
+        // an event that the thread had before it ended
+        listener!!.onSensorChanged(SensorEvent(sensors.getDefaultSensor(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED)!!, 0, 9, floatArrayOf(1f, 2f, 3f)))
+        assertEquals(emptyList<Long>(), taken)
+    }
+
+    @Test
     fun `up to 200 Hz no permission is needed`() = runBlocking {
         val sensors = FakeSensorManager(*all)
         val source = sensors.source(SensorOptions(rateHz = 200, holdS = 0.0), permitted = false)
@@ -208,7 +235,8 @@ class SensorManagerSourceTest {
     @Test
     fun `the hard iron is that of its event, whichever number changes`() = runBlocking {
         val sensors = FakeSensorManager(*all)
-        val told = listOf(DeviceVector(1.0, 2.0, 3.0), DeviceVector(1.0, 2.0, 3.0), DeviceVector(4.0, 2.0, 3.0), DeviceVector(4.0, 5.0, 3.0), DeviceVector(4.0, 5.0, 6.0), null)
+        val first = DeviceVector(1.0, 2.0, 3.0)
+        val told = listOf(first, first, first.copy(x = 4.0), DeviceVector(4.0, 5.0, 3.0), DeviceVector(4.0, 5.0, 6.0), null)
         val samples = collectWhile(sensors, sensors.source(), told.size) {
             told.forEachIndexed { k, it -> sensors.deliver(SensorSample.Magnetic(MagneticSample(k + 1L, DeviceVector(7.0, 8.0, 9.0), it))) }
         }

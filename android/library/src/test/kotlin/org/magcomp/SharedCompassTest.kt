@@ -36,6 +36,7 @@ import org.junit.jupiter.api.Assertions.assertNull
 import org.junit.jupiter.api.Assertions.assertThrows
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
+import org.magcomp.core.*
 
 /** One compass, collected by screens that come and go. */
 @OptIn(ExperimentalCoroutinesApi::class) // the clock of a test

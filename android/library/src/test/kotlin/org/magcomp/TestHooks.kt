@@ -8,6 +8,7 @@ import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.asFlow
 import kotlinx.coroutines.flow.emitAll
 import kotlinx.coroutines.flow.flow
+import org.magcomp.core.*
 
 /** What the feature `test-hooks` adds to the library for these tests. */
 object TestHooks {
@@ -49,7 +50,7 @@ object PreloadMain {
     fun main(arguments: Array<String>) {
         print(if (isLoaded()) "loaded, " else "not loaded, ")
         repeat(2) { Compass.preload() }
-        for (look in 1..2000) if (isLoaded()) break else Thread.sleep(10)
+        for (look in 1..12_000) if (isLoaded()) break else Thread.sleep(10)
         println(if (isLoaded()) "loaded" else "not loaded")
     }
 }
@@ -146,8 +147,19 @@ class Played(private val events: Flow<SensorSample>) : MagneticFieldSource {
 }
 
 /** Every answer of a compass of its own to these events. Its store is called where its readings are made. */
-internal fun Flow<SensorSample>.compensated(config: CompensationConfig = CompensationConfig(), store: CalibrationStore? = null): Flow<CompensatedReading> = flow {
-    Compass(Played(this@compensated), config, store, grace = ZERO, Dispatchers.Default.limitedParallelism(1), Dispatchers.Unconfined).use { emitAll(it.readings()) }
+internal fun Flow<SensorSample>.compensated(
+    config: CompensationConfig = CompensationConfig(),
+    store: CalibrationStore? = null,
+): Flow<CompensatedReading> = flow {
+    val one = Dispatchers.Default.limitedParallelism(1)
+    Compass(Played(this@compensated), config, store, grace = ZERO, one, Dispatchers.Unconfined).use { emitAll(it.readings()) }
+}
+
+/** Sets the whole frame. */
+fun Compass.set(frame: HeadingFrame) {
+    axis = frame.axis
+    screenRotation = frame.screenRotation
+    declinationDeg = frame.declinationDeg
 }
 
 /** A time of the wall clock, seconds since 1970. */

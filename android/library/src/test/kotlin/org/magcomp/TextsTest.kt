@@ -7,6 +7,7 @@ import org.junit.jupiter.api.Assertions.assertEquals
 import org.junit.jupiter.api.Assertions.assertNull
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
+import org.magcomp.core.*
 
 class TextsTest {
     private val resources = englishResources()
@@ -18,7 +19,8 @@ class TextsTest {
         repeat(200) {
             for (status in statuses(random)) {
                 assertEquals(status.text(), status.text(resources))
-                seen += listOfNotNull(status, (status as? CompensationStatus.Collecting)?.missing, (status as? CompensationStatus.Held)?.reason, (status as? CompensationStatus.Rejected)?.reason)
+                val (missing, held) = Pair((status as? CompensationStatus.Collecting)?.missing, (status as? CompensationStatus.Held)?.reason)
+                seen += listOfNotNull(status, missing, held, (status as? CompensationStatus.Rejected)?.reason)
                     .map { it.javaClass }
                 seen += listOfNotNull(((status as? CompensationStatus.Collecting)?.missing as? CollectingReason.Fit)?.problem).map { it.javaClass }
             }
@@ -66,6 +68,15 @@ class TextsTest {
     }
 
     @Test
+    fun `an error has one sentence for the user and another for the developer`() {
+        val missing = SensorException.Missing("magnetometer", "hide the compass")
+        assertEquals("This phone has no compass.", missing.text(resources))
+        assertEquals("this phone has no magnetometer; hide the compass", missing.message)
+        val others = listOf(MagcompException.Closed(), SensorException.NotTaken(3), RecordingException("a", 1, null, "b"), NativeLibraryException(Error()))
+        for (error in others) assertEquals("The compass does not work now.", error.text(resources))
+    }
+
+    @Test
     fun `both platforms have the same texts, with the same placeholders`() {
         val line = Regex(""""(\w+)" = "(.*)";""")
         val swift = repository.resolve("ios/Sources/Magcomp/Resources/en.lproj/Localizable.strings").readLines()
@@ -85,8 +96,14 @@ class TextsTest {
     fun `the other languages say all of it, with their own numbers`() {
         val poor = CompensationStatus.Collecting(CollectingReason.Fit(FitProblem.PoorCoverage(12.5, 10.0)))
         for ((language, turn, fit) in listOf(
-            Triple("de", "Das Telefon drehen.", "sammelt: der erwartete Richtungsfehler von 12,5 Grad ist größer als 10,0 Grad; das Gerät in mehr Richtungen drehen"),
-            Triple("es", "Girar el teléfono.", "recogiendo: el error de dirección previsto de 12,5 grados supera 10,0 grados; girar el dispositivo en más direcciones"),
+            Triple(
+                "de", "Das Telefon drehen.",
+                "sammelt: der erwartete Richtungsfehler von 12,5 Grad ist größer als 10,0 Grad; das Gerät in mehr Richtungen drehen",
+            ),
+            Triple(
+                "es", "Girar el teléfono.",
+                "recogiendo: el error de dirección previsto de 12,5 grados supera 10,0 grados; girar el dispositivo en más direcciones",
+            ),
         )) {
             val strings = strings("values-$language")
             assertEquals(englishStrings.keys, strings.keys)
@@ -108,7 +125,8 @@ class TextsTest {
             FitProblem.Inconsistent(real(), real()), FitProblem.NotAnEllipsoid, FitProblem.FieldOutOfRange(real(), real(), real()),
             FitProblem.NotFinite,
         )
-        val missing = problems.map { CollectingReason.Fit(it) } + CollectingReason.Samples(whole(), whole()) + CollectingReason.Rotation + CollectingReason.Directions
+        val missing = problems.map { CollectingReason.Fit(it) } +
+            listOf(CollectingReason.Samples(whole(), whole()), CollectingReason.Rotation, CollectingReason.Directions)
         val held = problems.map { HoldReason.FitRefused(it) } + HoldReason.LowUniformity + HoldReason.Constant + HoldReason.AtRest +
             HoldReason.TooLittleRotation + HoldReason.NoGyroscope
         val rejected = listOf(
@@ -116,7 +134,8 @@ class TextsTest {
             RejectReason.TimeNotAfter(random.nextLong(), random.nextLong()), RejectReason.TimeJump(real(), 604_800.0),
             RejectReason.Stuck(whole()), axes.let { (x, y, z) -> RejectReason.Axes(x, y, z) },
         )
-        return missing.map { CompensationStatus.Collecting(it) } + CompensationStatus.Tracking + CompensationStatus.Suspect(1) + held.map { CompensationStatus.Held(it) } + CompensationStatus.Disturbed(1) +
+        return missing.map { CompensationStatus.Collecting(it) } + held.map { CompensationStatus.Held(it) } +
+            listOf(CompensationStatus.Tracking, CompensationStatus.Suspect(1), CompensationStatus.Disturbed(1)) +
             rejected.map { CompensationStatus.Rejected(it) }
     }
 }

@@ -84,9 +84,9 @@ class AarTest {
     fun `the libraries export what the classes declare`() {
         val jar = File.createTempFile("classes", ".jar").apply { writeBytes(parts.getValue("classes.jar")) }
         val declared = URLClassLoader(arrayOf(jar.toURI().toURL()), javaClass.classLoader).use { loader ->
-            Class.forName("org.magcomp.FastPath", false, loader).declaredMethods
+            Class.forName("org.magcomp.core.FastPath", false, loader).declaredMethods
                 .filter { java.lang.reflect.Modifier.isNative(it.modifiers) }
-                .map { "Java_org_magcomp_FastPath_" + it.name }
+                .map { "Java_org_magcomp_core_FastPath_" + it.name }
         }
         jar.delete()
         assertTrue(declared.size >= 5, "$declared")
@@ -99,7 +99,8 @@ class AarTest {
 
     @Test
     fun `the classes are those of the library and the bindings, for every Android`() {
-        for (name in listOf("Compass", "Compensator", "ConstantField", "NativeCompensator", "SensorManagerSource", "CompassReadingListener", "CompensationConfig")) {
+        val core = listOf("Compensator", "ConstantField", "NativeCompensator", "CompensationConfig").map { "core/$it" }
+        for (name in listOf("Compass", "SensorManagerSource", "CompassReadingListener") + core) {
             assertTrue("org/magcomp/$name.class" in classes, name)
         }
         for ((name, bytes) in classes.filterKeys { it.endsWith(".class") }) {
@@ -120,7 +121,7 @@ class AarTest {
     @Test
     fun `the keep rules cover what is found by name`() {
         val rules = String(parts.getValue("proguard.txt"))
-        val kept = Regex("""-keep class (org\.magcomp\.\w+)""").findAll(rules).map { it.groupValues[1] }.toSet()
+        val kept = Regex("""-keep class (org\.magcomp\.core\.\w+)""").findAll(rules).map { it.groupValues[1] }.toSet()
         assertTrue("-keep class com.sun.jna.** { *; }" in rules)
         assertTrue("-keepattributes RuntimeVisibleAnnotations" in rules, "Structure.FieldOrder")
         // every class with native methods, JNI's and those JNA registers
@@ -149,7 +150,9 @@ class AarTest {
     fun `the POM says what Central asks for`() {
         val pom = xml(File(aar.path.removeSuffix(".aar") + ".pom").readBytes())
         fun each(path: String): List<String> = path.split("/").fold(listOf(pom)) { nodes, tag ->
-            nodes.flatMap { node -> node.childNodes.let { all -> (0 until all.length).map(all::item) }.filterIsInstance<Element>().filter { it.tagName == tag } }
+            nodes.flatMap { node ->
+                node.childNodes.let { all -> (0 until all.length).map(all::item) }.filterIsInstance<Element>().filter { it.tagName == tag }
+            }
         }.map { it.textContent.trim() }
         for (path in listOf("name", "description", "url", "licenses/license/name", "developers/developer/name", "scm/url", "scm/connection")) {
             assertTrue(each(path).isNotEmpty() && each(path).all { it.isNotEmpty() }, path)
@@ -164,12 +167,12 @@ class AarTest {
         fun names(classifier: String) = ZipFile(File(aar.path.removeSuffix(".aar") + "-$classifier.jar")).use { jar ->
             jar.entries().asSequence().map { it.name }.toList()
         }
-        for (source in listOf("Compass.kt", "NativeLibrary.kt", "magcomp_ffi.kt")) assertTrue("org/magcomp/$source" in names("sources"), source)
+        for (source in listOf("Compass.kt", "core/NativeLibrary.kt", "core/magcomp_ffi.kt")) assertTrue("org/magcomp/$source" in names("sources"), source)
         val pages = names("javadoc")
         assertTrue("index.html" in pages)
         // of the library, and of the bindings
-        for (page in listOf("-compass/index.html", "-magnetic-reading/index.html", "-magcomp-exception/index.html")) {
-            assertTrue(pages.any { it.endsWith("org.magcomp/$page") }, page)
+        for (page in listOf("org.magcomp/-compass/", "org.magcomp.core/-magnetic-reading/", "org.magcomp.core/-magcomp-exception/")) {
+            assertTrue(pages.any { it.endsWith("${page}index.html") }, page)
         }
     }
 

@@ -4,11 +4,11 @@ import android.location.Location
 import android.os.SystemClock
 import org.magcomp.Compass
 import org.magcomp.HELD_AHEAD
-import org.magcomp.HeadedAxis
-import org.magcomp.HeadingSample
-import org.magcomp.NorthReference
-import org.magcomp.DeviceVector
 import org.magcomp.arCoreAttitude
+import org.magcomp.core.DeviceVector
+import org.magcomp.core.HeadedAxis
+import org.magcomp.core.HeadingSample
+import org.magcomp.core.NorthReference
 
 // what follows is in android/GUIDE.md; ReadmeTest compares them
 /** In a car the phone lies in a holder; who walks holds it ahead. The app or its user says which; where neither is true, no course helps. */

@@ -9,8 +9,9 @@ import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.catch
 import kotlinx.coroutines.flow.map
 import org.magcomp.Compass
-import org.magcomp.SensorException
+import org.magcomp.CompassException
 import org.magcomp.screenRotation
+import org.magcomp.text
 
 // what follows is in android/README.md; ReadmeTest compares them
 class CompassViewModel(app: Application) : AndroidViewModel(app) {
@@ -20,7 +21,7 @@ class CompassViewModel(app: Application) : AndroidViewModel(app) {
         // null: the sentence says what is missing, also that the sensors have fallen silent
         val headingDeg = reading.headingDeg ?: return@map reading.text(app.resources)
         "${headingDeg.roundToInt() % 360}°, give or take ${reading.headingSigmaDeg?.roundToInt()}°"
-    }.catch { emit(if (it is SensorException.Missing) "This phone has no compass." else "The compass does not work now.") }
+    }.catch { emit((it as? CompassException ?: throw it).text(app.resources)) }
 
     /** For `reading.trueHeadingDeg`. The place needs a location permission, the sensors need none. */
     fun at(place: Location) = compass.setPlace(place)

@@ -14,11 +14,11 @@ import org.junit.jupiter.api.Test
 import org.magcomp.Compass
 import org.magcomp.FakeApp
 import org.magcomp.FakeSensorManager
-import org.magcomp.ScreenRotation
-import org.magcomp.SensorSample
 import org.magcomp.STEP_NS
-import org.magcomp.UpSample
-import org.magcomp.DeviceVector
+import org.magcomp.core.DeviceVector
+import org.magcomp.core.ScreenRotation
+import org.magcomp.core.SensorSample
+import org.magcomp.core.UpSample
 import org.magcomp.events
 import org.magcomp.repository
 import org.magcomp.tumbling

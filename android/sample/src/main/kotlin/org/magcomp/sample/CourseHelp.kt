@@ -6,7 +6,7 @@ import android.location.LocationListener
 import android.os.Bundle
 import org.magcomp.Compass
 import org.magcomp.HELD_AHEAD
-import org.magcomp.MagcompException
+import org.magcomp.core.MagcompException
 
 /** Each fix of who walks and holds the phone ahead: its place gives true north, its course helps. */
 class CourseHelp(private val compass: Compass) : LocationListener {

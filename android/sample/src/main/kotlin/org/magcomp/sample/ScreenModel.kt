@@ -7,13 +7,12 @@ import kotlinx.coroutines.flow.catch
 import kotlinx.coroutines.flow.map
 import kotlinx.coroutines.flow.onCompletion
 import org.magcomp.Compass
+import org.magcomp.CompassException
 import org.magcomp.CompensatedReading
 import org.magcomp.HeadingSmoother
-import org.magcomp.MagcompException
-import org.magcomp.ScreenRotation
-import org.magcomp.SensorException
-import org.magcomp.CompensationStatus
-import org.magcomp.DeviceVector
+import org.magcomp.core.CompensationStatus
+import org.magcomp.core.DeviceVector
+import org.magcomp.core.ScreenRotation
 import org.magcomp.guidance
 import org.magcomp.spoken
 import org.magcomp.text
@@ -92,10 +91,9 @@ class ScreenModel(private val resources: Resources) {
     fun explain(error: Throwable?): ScreenState {
         val why = when (error) {
             null -> say(R.string.over)
-            is MagcompException -> error.text()
-            is SensorException -> error.message
-            else -> null
-        } ?: "$error"
+            is CompassException -> error.text(resources)
+            else -> "$error"
+        }
         return ScreenState(heading = say(R.string.no_heading), status = why, spoken = null.spoken(resources))
     }
 

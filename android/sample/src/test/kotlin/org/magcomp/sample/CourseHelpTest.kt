@@ -12,17 +12,17 @@ import kotlinx.coroutines.runBlocking
 import org.junit.jupiter.api.Assertions.assertEquals
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
-import org.magcomp.MagnetometerCalibration
 import org.magcomp.Compass
-import org.magcomp.CompensationConfig
-import org.magcomp.HeadingAid
 import org.magcomp.MagneticFieldSource
-import org.magcomp.MagneticSample
-import org.magcomp.RotationRateSample
-import org.magcomp.SensorSample
-import org.magcomp.SoftIron
-import org.magcomp.UpSample
-import org.magcomp.DeviceVector
+import org.magcomp.core.CompensationConfig
+import org.magcomp.core.DeviceVector
+import org.magcomp.core.HeadingAid
+import org.magcomp.core.MagneticSample
+import org.magcomp.core.MagnetometerCalibration
+import org.magcomp.core.RotationRateSample
+import org.magcomp.core.SensorSample
+import org.magcomp.core.SoftIron
+import org.magcomp.core.UpSample
 
 class CourseHelpTest {
     @Test

@@ -12,11 +12,11 @@ import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
 import org.junit.jupiter.api.io.TempDir
 import org.magcomp.Compass
-import org.magcomp.DeviceVector
 import org.magcomp.MagneticFieldSource
-import org.magcomp.MagneticSample
 import org.magcomp.RecordingSource
-import org.magcomp.SensorSample
+import org.magcomp.core.DeviceVector
+import org.magcomp.core.MagneticSample
+import org.magcomp.core.SensorSample
 
 class RecordingTest {
     @TempDir

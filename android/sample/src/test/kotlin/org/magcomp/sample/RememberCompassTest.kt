@@ -19,11 +19,11 @@ import org.junit.jupiter.api.Test
 import org.magcomp.Compass
 import org.magcomp.CompassState
 import org.magcomp.MagneticFieldSource
-import org.magcomp.MagneticSample
-import org.magcomp.ScreenRotation
-import org.magcomp.SensorSample
-import org.magcomp.DeviceVector
 import org.magcomp.compose.rememberCompass
+import org.magcomp.core.DeviceVector
+import org.magcomp.core.MagneticSample
+import org.magcomp.core.ScreenRotation
+import org.magcomp.core.SensorSample
 
 /** The file that an app copies, over stand-ins of AndroidX. */
 @OptIn(ExperimentalTestApi::class)

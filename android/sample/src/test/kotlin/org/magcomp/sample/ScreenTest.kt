@@ -34,24 +34,27 @@ import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
 import org.magcomp.Compass
 import org.magcomp.CompensatedReading
-import org.magcomp.FieldEvent
-import org.magcomp.FieldEventKind
-import org.magcomp.CompassHeading
-import org.magcomp.HeadingAid
-import org.magcomp.HoldReason
 import org.magcomp.MagneticFieldSource
-import org.magcomp.MagneticSample
-import org.magcomp.CollectingReason
-import org.magcomp.MagneticReading
-import org.magcomp.ScreenRotation
 import org.magcomp.SensorAccuracy
-import org.magcomp.SensorMode
-import org.magcomp.SensorSample
 import org.magcomp.SensorsInUse
-import org.magcomp.CompensationStatus
 import org.magcomp.UsedSensor
-import org.magcomp.DeviceVector
-import org.magcomp.headingFrame
+import org.magcomp.core.CollectingReason
+import org.magcomp.core.CompassHeading
+import org.magcomp.core.CompensationStatus
+import org.magcomp.core.DeviceVector
+import org.magcomp.core.FieldEvent
+import org.magcomp.core.FieldEventKind
+import org.magcomp.core.HeadingAid
+import org.magcomp.core.HeadingFrame
+import org.magcomp.core.HoldReason
+import org.magcomp.core.MagneticReading
+import org.magcomp.core.MagneticSample
+import org.magcomp.core.ReferenceAxis
+import org.magcomp.core.ScreenRotation
+import org.magcomp.core.SensorMode
+import org.magcomp.core.SensorSample
+import org.magcomp.core.heading
+import org.magcomp.screenRotation
 import org.w3c.dom.Element
 import sun.misc.Unsafe
 
@@ -190,7 +193,8 @@ class ScreenTest {
             val a = Math.toRadians(topEdgeDeg)
             val field = DeviceVector(-20 * sin(a), 20 * cos(a), -40.0)
             for (rotation in display) {
-                val ours = org.magcomp.heading(field, DeviceVector(0.0, 0.0, 1.0), headingFrame(rotation))!!.headingDeg
+                val frame = HeadingFrame(ReferenceAxis.AUTO, screenRotation(rotation), null)
+                val ours = heading(field, DeviceVector(0.0, 0.0, 1.0), frame)!!.headingDeg
                 val system = headingDeg(flat(topEdgeDeg), rotation)!!
                 assertEquals(0.0, Math.IEEEremainder(ours - system, 360.0), 1e-3, "$topEdgeDeg, $rotation")
             }
@@ -225,10 +229,11 @@ class ScreenTest {
 
     private val letters = listOf("N", "E", "S", "W")
 
-    private fun drawn(state: ScreenState, isDark: Boolean = false, letters: List<String> = this.letters) = ImageComposeScene(720, 1480, Density(2f)).use { scene ->
-        scene.setContent { CompassScreen(state, letters, isDark) }
-        scene.render().encodeToData(EncodedImageFormat.PNG)!!.bytes
-    }
+    private fun drawn(state: ScreenState, isDark: Boolean = false, letters: List<String> = this.letters) =
+        ImageComposeScene(720, 1480, Density(2f)).use { scene ->
+            scene.setContent { CompassScreen(state, letters, isDark) }
+            scene.render().encodeToData(EncodedImageFormat.PNG)!!.bytes
+        }
 
     private fun image(png: ByteArray) = ImageIO.read(png.inputStream())
 

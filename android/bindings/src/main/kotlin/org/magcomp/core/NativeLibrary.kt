@@ -1,18 +1,9 @@
-package org.magcomp
+package org.magcomp.core
 
 import com.sun.jna.Native
 import java.io.File
 import java.io.IOException
-
-/**
- * The app holds no native library for this phone's processor, or it can't be loaded: its ABI was left out when the app was
- * built, or the app was installed from another phone's APK.
- */
-public class NativeLibraryException(cause: Throwable) :
-    RuntimeException(
-        "magcomp's native library can't be loaded (${(cause.cause ?: cause).message}); the app must hold it for this phone's ABI",
-        cause,
-    )
+import org.magcomp.NativeLibraryException
 
 /**
  * The native library, loaded once: over JNI for `FastPath`, and over JNA for the generated code, each of whose calls asks here first

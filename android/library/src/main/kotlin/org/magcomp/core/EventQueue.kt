@@ -1,9 +1,9 @@
-package org.magcomp
+package org.magcomp.core
 
 /**
  * Brings events that are delivered late or in batches into the order of their times, which [Compensator] expects. The rules are those
- * of `EventQueue` in Rust; `tests/vectors/event_order.json` holds both to them. [SensorManagerSource] has one; a source of your own
- * may need it.
+ * of `EventQueue` in Rust; `tests/vectors/event_order.json` holds both to them. A
+ * [SensorManagerSource][org.magcomp.SensorManagerSource] has one; a source of your own may need it.
  *
  * An event waits for every other sensor until that has delivered an event at or after its time. A sensor whose latest
  * event, or else the beginning of the stream, is more than 0.25 s older than the newest event of all is not waited for.
@@ -11,8 +11,8 @@ package org.magcomp
  * then `up`, then the magnetometer. The queue drops no event: one that comes more than [holdS] too late goes out at
  * once, behind later events. Not thread-safe.
  *
- * @property holdS longest that an event waits, 0 to 0.25 s; 0: every event goes out as it comes. For batches choose a little more
- *   than one batch takes. Default 0.05
+ * @property holdS how long an event may wait, 0 to 0.25 s. With 0 every event goes out as it comes. For batches choose a little more than
+ *   one batch takes. Default 0.05
  */
 public class EventQueue @JvmOverloads constructor(public val holdS: Double = DEFAULT_HOLD_S) {
     init {
@@ -23,24 +23,24 @@ public class EventQueue @JvmOverloads constructor(public val holdS: Double = DEF
         override fun timeNs(event: SensorSample) = event.timeNs
 
         override fun sensor(event: SensorSample) = when (event) {
-            is SensorSample.RotationRate -> RawEvent.ROTATION_RATE
-            is SensorSample.Up -> RawEvent.UP
-            is SensorSample.Magnetic -> RawEvent.MAGNETIC
+            is SensorSample.RotationRate -> 0
+            is SensorSample.Up -> 1
+            is SensorSample.Magnetic -> 2
         }
     }
 
     /**
-     * Takes the event that was delivered next, and gives [out] those whose turn it is now, in order: none, one or several. When 256
-     * wait, the first goes out whatever it waits for.
+     * Takes the event that was delivered next, and gives [out] the events whose turn it is now, in order: none, one or several. While 256
+     * events wait, the first goes out whatever it waits for.
      */
     public fun push(event: SensorSample, out: (SensorSample) -> Unit): Unit = order.push(event, out)
 
-    /** Gives [out] everything that waits: the stream has ended, or another begins. */
+    /** Gives [out] all events that wait, because the stream has ended or another begins. */
     public fun flush(out: (SensorSample) -> Unit): Unit = order.flush(out)
 
     /** Constants of every queue. */
     public companion object {
-        /** Longest that an event waits unless another time is chosen, s. */
+        /** How long an event may wait unless another time is chosen, s. */
         public const val DEFAULT_HOLD_S: Double = 0.05
 
         /** The longest time that may be chosen, s. */

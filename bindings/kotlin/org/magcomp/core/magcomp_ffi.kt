@@ -3,7 +3,9 @@
 
 @file:Suppress("NAME_SHADOWING")
 
-package org.magcomp
+@file:JvmName("Magcomp")
+
+package org.magcomp.core
 
 // Common helper code.
 //
@@ -1608,7 +1610,6 @@ internal interface NativeCompensatorInterface {
      */
     fun `pushHeading`(`sample`: HeadingSample)
 
-    companion object
 }
 
 /**
@@ -2096,7 +2097,6 @@ internal open class NativeCompensator: Disposable, AutoCloseable, NativeCompensa
     /**
      * @suppress
      */
-    companion object
 
 }
 
@@ -2256,7 +2256,6 @@ internal interface NativeConstantFieldInterface {
      */
     fun `shutDown`()
 
-    companion object
 }
 
 /**
@@ -2487,7 +2486,6 @@ internal open class NativeConstantField: Disposable, AutoCloseable, NativeConsta
     /**
      * @suppress
      */
-    companion object
 
 }
 
@@ -2558,7 +2556,6 @@ data class AttitudeSample (
 
 
 
-    companion object
 }
 
 /**
@@ -2627,7 +2624,6 @@ data class CompassHeading (
 
 
 
-    companion object
 }
 
 /**
@@ -2715,7 +2711,6 @@ data class CompensationConfig (
 
 
 
-    companion object
 }
 
 /**
@@ -2800,7 +2795,6 @@ data class DeviceAttitude (
 
 
 
-    companion object
 }
 
 /**
@@ -2861,7 +2855,6 @@ data class DeviceVector (
 
 
 
-    companion object
 }
 
 /**
@@ -2911,7 +2904,6 @@ data class DirectionCoverage (
 
 
 
-    companion object
 }
 
 /**
@@ -2968,7 +2960,6 @@ data class EarthMagneticField (
 
 
 
-    companion object
 }
 
 /**
@@ -3051,7 +3042,6 @@ data class EllipsoidFit (
 
 
 
-    companion object
 }
 
 /**
@@ -3121,7 +3111,6 @@ data class FieldEvent (
 
 
 
-    companion object
 }
 
 /**
@@ -3206,7 +3195,6 @@ data class FitOptions (
 
 
 
-    companion object
 }
 
 /**
@@ -3274,7 +3262,6 @@ data class FoundDeclination (
 
 
 
-    companion object
 }
 
 /**
@@ -3331,7 +3318,6 @@ data class HeadingConfig (
 
 
 
-    companion object
 }
 
 /**
@@ -3389,7 +3375,6 @@ data class HeadingFrame (
 
 
 
-    companion object
 }
 
 /**
@@ -3455,7 +3440,6 @@ data class HeadingSample (
 
 
 
-    companion object
 }
 
 /**
@@ -3586,7 +3570,6 @@ data class MagneticReading (
 
 
 
-    companion object
 }
 
 /**
@@ -3685,7 +3668,6 @@ data class MagneticSample (
 
 
 
-    companion object
 }
 
 /**
@@ -3740,7 +3722,6 @@ data class MagnetometerCalibration (
 
 
 
-    companion object
 }
 
 /**
@@ -3790,7 +3771,6 @@ data class RotationRateSample (
 
 
 
-    companion object
 }
 
 /**
@@ -3857,7 +3837,6 @@ data class SoftIron (
 
 
 
-    companion object
 }
 
 /**
@@ -3916,7 +3895,6 @@ data class UpSample (
 
 
 
-    companion object
 }
 
 /**
@@ -3983,7 +3961,6 @@ data class WindowedConfig (
 
 
 
-    companion object
 }
 
 /**
@@ -4043,7 +4020,6 @@ sealed class CollectingReason {
     {
 
 
-        companion object
     }
 
     /**
@@ -4053,24 +4029,23 @@ sealed class CollectingReason {
         /**
          * Why.
          */
-        val `problem`: org.magcomp.FitProblem) : CollectingReason()
+        val `problem`: org.magcomp.core.FitProblem) : CollectingReason()
 
     {
 
 
-        companion object
     }
 
     /**
      * The device was hardly turned.
      */
-    object Rotation : CollectingReason()
+    data object Rotation : CollectingReason()
 
 
     /**
      * The device was turned, but not about enough axes.
      */
-    object Directions : CollectingReason()
+    data object Directions : CollectingReason()
 
 
 
@@ -4080,7 +4055,6 @@ sealed class CollectingReason {
 
 
 
-    companion object
 }
 
 /**
@@ -4191,7 +4165,6 @@ enum class CompensationMethod {
 
 
 
-    companion object
 }
 
 
@@ -4230,18 +4203,17 @@ sealed class CompensationStatus {
         /**
          * What is still missing.
          */
-        val `missing`: org.magcomp.CollectingReason) : CompensationStatus()
+        val `missing`: org.magcomp.core.CollectingReason) : CompensationStatus()
 
     {
 
 
-        companion object
     }
 
     /**
      * Calibrated, and following changes.
      */
-    object Tracking : CompensationStatus()
+    data object Tracking : CompensationStatus()
 
 
     /**
@@ -4256,7 +4228,6 @@ sealed class CompensationStatus {
     {
 
 
-        companion object
     }
 
     /**
@@ -4266,12 +4237,11 @@ sealed class CompensationStatus {
         /**
          * Why nothing is learned at the moment.
          */
-        val `reason`: org.magcomp.HoldReason) : CompensationStatus()
+        val `reason`: org.magcomp.core.HoldReason) : CompensationStatus()
 
     {
 
 
-        companion object
     }
 
     /**
@@ -4286,7 +4256,6 @@ sealed class CompensationStatus {
     {
 
 
-        companion object
     }
 
     /**
@@ -4296,12 +4265,11 @@ sealed class CompensationStatus {
         /**
          * Why it was not used.
          */
-        val `reason`: org.magcomp.RejectReason) : CompensationStatus()
+        val `reason`: org.magcomp.core.RejectReason) : CompensationStatus()
 
     {
 
 
-        companion object
     }
 
 
@@ -4337,7 +4305,6 @@ sealed class CompensationStatus {
 
 
 
-    companion object
 }
 
 /**
@@ -4471,7 +4438,6 @@ enum class DeviceAxis {
 
 
 
-    companion object
 }
 
 
@@ -4541,7 +4507,6 @@ enum class EventRejection {
 
 
 
-    companion object
 }
 
 
@@ -4590,7 +4555,6 @@ enum class FieldEventKind {
 
 
 
-    companion object
 }
 
 
@@ -4634,7 +4598,6 @@ sealed class FitProblem {
     {
 
 
-        companion object
     }
 
     /**
@@ -4649,7 +4612,6 @@ sealed class FitProblem {
     {
 
 
-        companion object
     }
 
     /**
@@ -4668,7 +4630,6 @@ sealed class FitProblem {
     {
 
 
-        companion object
     }
 
     /**
@@ -4687,13 +4648,12 @@ sealed class FitProblem {
     {
 
 
-        companion object
     }
 
     /**
      * A surface that is no ellipsoid fits best.
      */
-    object NotAnEllipsoid : FitProblem()
+    data object NotAnEllipsoid : FitProblem()
 
 
     /**
@@ -4716,13 +4676,12 @@ sealed class FitProblem {
     {
 
 
-        companion object
     }
 
     /**
      * A sample was NaN or infinite, or the numbers overflowed. Leave such values out.
      */
-    object NotFinite : FitProblem()
+    data object NotFinite : FitProblem()
 
 
 
@@ -4745,7 +4704,6 @@ sealed class FitProblem {
 
 
 
-    companion object
 }
 
 /**
@@ -4898,7 +4856,6 @@ enum class FitResidual {
 
 
 
-    companion object
 }
 
 
@@ -4947,7 +4904,6 @@ enum class FitTermination {
 
 
 
-    companion object
 }
 
 
@@ -4986,19 +4942,18 @@ sealed class HeadedAxis {
         /**
          * Of any length but 0, device frame.
          */
-        val `axis`: org.magcomp.DeviceVector) : HeadedAxis()
+        val `axis`: org.magcomp.core.DeviceVector) : HeadedAxis()
 
     {
 
 
-        companion object
     }
 
     /**
      * A vehicle in which the device lies, turned against it by an angle that does not change: that angle is learned while the vehicle turns.
      * A device that is moved in its holder is noticed.
      */
-    object Vehicle : HeadedAxis()
+    data object Vehicle : HeadedAxis()
 
 
 
@@ -5008,7 +4963,6 @@ sealed class HeadedAxis {
 
 
 
-    companion object
 }
 
 /**
@@ -5095,7 +5049,6 @@ enum class HeadingAid {
 
 
 
-    companion object
 }
 
 
@@ -5130,7 +5083,7 @@ sealed class HoldReason {
     /**
      * Method `Windowed` alone: sigma_T is below its threshold, the latest orientations are too much alike.
      */
-    object LowUniformity : HoldReason()
+    data object LowUniformity : HoldReason()
 
 
     /**
@@ -5140,36 +5093,35 @@ sealed class HoldReason {
         /**
          * What it lacks.
          */
-        val `problem`: org.magcomp.FitProblem) : HoldReason()
+        val `problem`: org.magcomp.core.FitProblem) : HoldReason()
 
     {
 
 
-        companion object
     }
 
     /**
      * Method `Constant` alone: by choice it follows no changes.
      */
-    object Constant : HoldReason()
+    data object Constant : HoldReason()
 
 
     /**
      * The device lies still; nothing is learned from that.
      */
-    object AtRest : HoldReason()
+    data object AtRest : HoldReason()
 
 
     /**
      * The device was hardly turned of late.
      */
-    object TooLittleRotation : HoldReason()
+    data object TooLittleRotation : HoldReason()
 
 
     /**
      * The gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second.
      */
-    object NoGyroscope : HoldReason()
+    data object NoGyroscope : HoldReason()
 
 
 
@@ -5179,7 +5131,6 @@ sealed class HoldReason {
 
 
 
-    companion object
 }
 
 /**
@@ -5280,7 +5231,7 @@ internal object FfiConverterTypeHoldReason : FfiConverterRustBuffer<HoldReason>{
 /**
  * What went wrong. `text()` says it in a sentence.
  */
-sealed class MagcompException: kotlin.Exception() {
+sealed class MagcompException: org.magcomp.CompassException() {
 
     /**
      * A field of the config is outside its range.
@@ -5639,7 +5590,6 @@ enum class MagcompLogLevel {
 
 
 
-    companion object
 }
 
 
@@ -5692,7 +5642,6 @@ enum class ModelOrder {
 
 
 
-    companion object
 }
 
 
@@ -5737,7 +5686,6 @@ enum class NorthReference {
 
 
 
-    companion object
 }
 
 
@@ -5786,7 +5734,6 @@ enum class ReferenceAxis {
 
 
 
-    companion object
 }
 
 
@@ -5821,7 +5768,7 @@ sealed class RejectReason {
     /**
      * A component is NaN or infinite. Check where the samples come from.
      */
-    object NotFinite : RejectReason()
+    data object NotFinite : RejectReason()
 
 
     /**
@@ -5840,7 +5787,6 @@ sealed class RejectReason {
     {
 
 
-        companion object
     }
 
     /**
@@ -5850,7 +5796,7 @@ sealed class RejectReason {
         /**
          * The axis of the component.
          */
-        val `axis`: org.magcomp.DeviceAxis,
+        val `axis`: org.magcomp.core.DeviceAxis,
         /**
          * The component, microtesla.
          */
@@ -5863,7 +5809,6 @@ sealed class RejectReason {
     {
 
 
-        companion object
     }
 
     /**
@@ -5882,7 +5827,6 @@ sealed class RejectReason {
     {
 
 
-        companion object
     }
 
     /**
@@ -5901,7 +5845,6 @@ sealed class RejectReason {
     {
 
 
-        companion object
     }
 
     /**
@@ -5916,7 +5859,6 @@ sealed class RejectReason {
     {
 
 
-        companion object
     }
 
     /**
@@ -5939,7 +5881,6 @@ sealed class RejectReason {
     {
 
 
-        companion object
     }
 
 
@@ -5962,7 +5903,6 @@ sealed class RejectReason {
 
 
 
-    companion object
 }
 
 /**
@@ -6136,7 +6076,6 @@ enum class ScreenRotation {
 
 
 
-    companion object
 }
 
 
@@ -6189,7 +6128,6 @@ enum class SensorMode {
 
 
 
-    companion object
 }
 
 
@@ -6234,7 +6172,6 @@ enum class SigmaNormalisation {
 
 
 
-    companion object
 }
 
 
@@ -6269,7 +6206,7 @@ sealed class WorldYaw {
     /**
      * It points anywhere, and stays: the turns stand in for a gyroscope where that is missing.
      */
-    object Relative : WorldYaw()
+    data object Relative : WorldYaw()
 
 
     /**
@@ -6283,12 +6220,11 @@ sealed class WorldYaw {
         /**
          * Which north.
          */
-        val `reference`: org.magcomp.NorthReference) : WorldYaw()
+        val `reference`: org.magcomp.core.NorthReference) : WorldYaw()
 
     {
 
 
-        companion object
     }
 
 
@@ -6298,7 +6234,6 @@ sealed class WorldYaw {
 
 
 
-    companion object
 }
 
 /**

@@ -1,6 +1,6 @@
 @file:JvmName("CalibrationJson")
 
-package org.magcomp
+package org.magcomp.core
 
 import org.json.JSONArray
 import org.json.JSONException
@@ -8,8 +8,8 @@ import org.json.JSONObject
 
 /**
  * Reads the calibration that the command `magcomp replay --calibration OUT.json` writes: `soft_iron`, the nine elements of the
- * symmetric matrix M; `hard_iron_ut`, the three components of b, microtesla; `field_strength_ut`, microtesla. Other names in the
- * text are passed over, the covariance too.
+ * symmetric matrix M; `hard_iron_ut`, the three components of b, microtesla; `field_strength_ut`, microtesla. It passes over other names
+ * in the text, the covariance too.
  *
  * The result can be [CompensationConfig.initial] or go to [Compensator.adopt].
  *

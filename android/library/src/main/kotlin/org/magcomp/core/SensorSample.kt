@@ -1,6 +1,6 @@
-package org.magcomp
+package org.magcomp.core
 
-/** One event of one of the three sensors, with its own time. */
+/** An event of one of the three sensors, with its own time. */
 public sealed interface SensorSample {
     /** Time of the event, nanoseconds, on one clock for all sensors. */
     public val timeNs: Long

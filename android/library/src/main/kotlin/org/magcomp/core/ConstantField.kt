@@ -1,4 +1,4 @@
-package org.magcomp
+package org.magcomp.core
 
 /**
  * One calibration from a set of orientations: collects them, shows which directions are missing, and fits. For apps that
@@ -9,29 +9,29 @@ package org.magcomp
  *
  * @property samplesPerOrientation samples in a row that are averaged into one orientation. Above 1 the user must hold
  *   the phone still meanwhile; 1, the default, is for a phone that is turned about. A smaller number counts as 1
- * @throws NativeLibraryException when the app holds no native library for this phone
+ * @throws org.magcomp.NativeLibraryException when the app holds no native library for this phone
  */
 public class ConstantField @JvmOverloads constructor(public val samplesPerOrientation: Int = 1) : AutoCloseable {
     private val native = NativeLibrary.check().let { NativeConstantField(samplesPerOrientation) }
 
     /**
-     * One raw sample, microtesla, device frame.
+     * Takes one raw sample, microtesla, in the device frame.
      *
      * @throws MagcompException.Rejected when it is not finite; nothing has changed then
      */
     @Throws(MagcompException::class)
     public fun add(rawUt: DeviceVector): Unit = unlessClosed { native.add(rawUt) }
 
-    /** Orientations so far. */
+    /** How many orientations there are so far. */
     @Throws(MagcompException::class)
     public fun orientations(): Int = unlessClosed { native.orientations() }
 
-    /** Which directions were seen and which were not, about the best centre known so far. Costs a fit. */
+    /** The directions that were seen and those that were not, about the best centre known so far. It costs a fit. */
     @Throws(MagcompException::class)
     public fun coverage(): DirectionCoverage = unlessClosed { native.coverage() }
 
     /**
-     * The calibration with its covariance; `CompensationConfig.initial` takes it.
+     * Fits the calibration and its covariance. `CompensationConfig.initial` takes the calibration.
      *
      * @param options a field left out has the library's default
      * @throws MagcompException.Fit says what the orientations lack; the session can go on
@@ -44,7 +44,7 @@ public class ConstantField @JvmOverloads constructor(public val samplesPerOrient
     @Throws(MagcompException::class)
     public fun reset(): Unit = unlessClosed { native.reset() }
 
-    /** Frees the native state now. May be called twice, and while another thread adds. */
+    /** Frees the native state now. A second call does nothing, and another thread may add meanwhile. */
     override fun close() {
         try {
             unlessClosed { native.shutDown() }

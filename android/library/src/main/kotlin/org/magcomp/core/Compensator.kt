@@ -1,4 +1,4 @@
-package org.magcomp
+package org.magcomp.core
 
 /**
  * Frees a magnetometer from the disturbance its phone carries, sample by sample.
@@ -6,10 +6,10 @@ package org.magcomp
  * Any thread may call it, and close it meanwhile: a call after [close] throws [MagcompException.Closed]. After a defect
  * of the library calls throw [MagcompException.Panicked] until [reset].
  *
- * @property config the config it was made with. A field left out has the library's default, as in [Compass]
- *   ([defaultConfig] shows all)
+ * @property config the config it was made with. A field left out has the library's default, as in
+ *   [Compass][org.magcomp.Compass] ([defaultConfig] shows all)
  * @throws MagcompException.Config when a field of the config is out of range
- * @throws NativeLibraryException when the app holds no native library for this phone
+ * @throws org.magcomp.NativeLibraryException when the app holds no native library for this phone
  */
 public class Compensator @JvmOverloads @Throws(MagcompException::class) constructor(public val config: CompensationConfig = CompensationConfig()) :
     AutoCloseable {
@@ -17,11 +17,10 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
     internal val handle = native.fastHandle()
 
     /**
-     * A raw magnetometer event; the answer is written to [out]. Allocates nothing. A sample that cannot be used comes
-     * back with status `Rejected` and changes nothing. After 50 such samples in a row whose times follow one another
-     * but not the latest used sample, the compensator assumes another clock: it keeps the calibration and begins anew
-     * with everything else. At the sensor's full scale (`Saturated`) a gyroscope carries the field on: the reading has a
-     * carried field and a heading, and nothing is learned.
+     * Takes a raw magnetometer event and writes the answer to [out], without an allocation. A sample that cannot be used comes back with status
+     * `Rejected` and changes nothing. After 50 such samples in a row whose times follow one another but not the latest used sample, the
+     * compensator assumes another clock: it keeps the calibration and begins anew with everything else. At the sensor's full scale
+     * (`Saturated`) a gyroscope carries the field on: the reading has a carried field and a heading, and the compensator learns nothing.
      *
      * @param timeNs time of the event, nanoseconds
      * @param xUt raw field to the right of the screen, microtesla
@@ -34,8 +33,8 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
     }
 
     /**
-     * A raw magnetometer event with the operating system's own estimate of the hard iron ([bxUt], [byUt], [bzUt],
-     * microtesla; NaN for none). Else as the shorter form.
+     * Takes a raw magnetometer event with the operating system's own estimate of the hard iron ([bxUt], [byUt], [bzUt],
+     * microtesla; NaN for none), and else does the same as the shorter form.
      */
     @Throws(MagcompException::class)
     public fun push(
@@ -52,7 +51,7 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
         out.timeNs = timeNs
     }
 
-    /** A raw magnetometer event and its answer as immutable records. */
+    /** Takes a raw magnetometer event and gives the answer, both as immutable records. */
     @Throws(MagcompException::class)
     public fun push(sample: MagneticSample): MagneticReading {
         val buffer = ReadingBuffer()
@@ -63,7 +62,7 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
     }
 
     /**
-     * A gyroscope event: time in nanoseconds, rates in rad/s about x, y and z.
+     * Takes a gyroscope event: time in nanoseconds, rates in rad/s about x, y and z.
      *
      * @return whether it was used; if not, for instance because it came too late, nothing has changed
      */
@@ -72,7 +71,7 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
         check(FastPath.pushRotationRate(handle, timeNs, xRadS, yRadS, zRadS)) == 0
 
     /**
-     * An accelerometer or gravity event: time in nanoseconds, m/s^2 along x, y and z; at rest it points up.
+     * Takes an accelerometer or gravity event: time in nanoseconds, m/s^2 along x, y and z; at rest it points up.
      *
      * @return whether it was used; if not, for instance because it came too late, nothing has changed
      */
@@ -81,27 +80,27 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
         check(FastPath.pushUp(handle, timeNs, xMS2, yMS2, zMS2)) == 0
 
     /**
-     * A heading that something else than the magnetometer knows: a GNSS course, a landmark. North is carried by the gyroscope from one to the
-     * next; without a gyroscope they are not used. One that contradicts what is known is ignored, unless others say the same for a minute.
-     * The filtered field, heading and attitude go by it; the calibration and the corrected field do not.
+     * Takes a heading that something else than the magnetometer knows: a GNSS course, a landmark. The gyroscope carries north from one to the
+     * next; without a gyroscope they are not used. A heading that contradicts what is known is ignored, unless others say the same for a
+     * minute. The filtered field, heading and attitude go by it; the calibration and the corrected field do not.
      *
-     * @return whether it was taken; if not, it came more than 5 s late, a second time, or from another clock, and nothing has changed
+     * @return whether the heading was taken; if not, it came more than 5 s late, a second time, or from another clock, and nothing has changed
      * @throws MagcompException.EventRejected when a number is not finite or out of range; nothing has changed then
      */
     @Throws(MagcompException::class)
     public fun pushHeading(sample: HeadingSample): Boolean = taken { native.pushHeading(sample) }
 
     /**
-     * An orientation that something else knows: a camera's pose. While the gyroscope is missing its turns stand in for it; where its world's
-     * y axis points north it is a heading too, as of [pushHeading].
+     * Takes an orientation that something else knows: a camera's pose. Its turns stand in for a missing gyroscope. If its world's y axis points
+     * north, it is a heading too, as [pushHeading] takes.
      *
-     * @return whether it was taken, as of [pushHeading]
+     * @return whether the orientation was taken, as in [pushHeading]
      * @throws MagcompException.EventRejected when a number is not finite or out of range; nothing has changed then
      */
     @Throws(MagcompException::class)
     public fun pushAttitude(sample: AttitudeSample): Boolean = taken { native.pushAttitude(sample) }
 
-    /** What headings from outside are worth after the latest sample; null where none came in the last two minutes. */
+    /** What headings from outside are worth after the latest sample; null if none came in the last two minutes. */
     @Throws(MagcompException::class)
     public fun headingAid(): HeadingAid? = unlessClosed { native.headingAid() }
 
@@ -110,8 +109,8 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
     public fun foundDeclination(): FoundDeclination? = unlessClosed { native.foundDeclination() }
 
     /**
-     * Many events in the order they happened, for recordings; the answers to the magnetic ones. The operating system's own
-     * hard iron is not looked at.
+     * Takes the events of a recording in the order they happened, and gives the answers to the magnetic ones. It does not look at the operating
+     * system's own hard iron.
      */
     @Throws(MagcompException::class)
     public fun pushAll(events: List<SensorSample>): List<MagneticReading> {
@@ -146,14 +145,14 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
     }
 
     /**
-     * From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
+     * Changes the frame that headings have from now on, for instance when the screen was turned. Nothing else changes.
      *
      * @throws MagcompException.Config when the declination is out of range
      */
     @Throws(MagcompException::class)
     public fun setHeadingFrame(frame: HeadingFrame): Unit = unlessClosed { native.setHeadingFrame(frame) }
 
-    /** Hard iron, soft iron and field strength in force, if any. */
+    /** The hard iron, soft iron and field strength in force, or null. */
     @Throws(MagcompException::class)
     public fun calibration(): MagnetometerCalibration? {
         val v = DoubleArray(FastPath.CALIBRATION)
@@ -162,7 +161,7 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
     }
 
     /**
-     * From now on this calibration is in force, until something better is learned. The stream goes on.
+     * Puts a calibration in force until something better is learned. The stream goes on.
      *
      * @param hardIronSigmaUt one standard deviation of each component of its hard iron, microtesla, 0.01 to 1000; the first
      *   readings are as unsure as that
@@ -174,8 +173,8 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
         unlessClosed { native.adopt(calibration, hardIronSigmaUt) }
 
     /**
-     * The calibration in force with what is known of it, as JSON, for [adoptKept] at the next launch. Null while nothing was learned
-     * from live samples: what was adopted is kept where it came from.
+     * The calibration in force with what is known of it, as JSON, for [adoptKept] at the next launch. It is null while nothing was learned
+     * from live samples: who gave a calibration has it already.
      *
      * @param unixTimeS now, seconds since 1970
      */
@@ -193,9 +192,8 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
     }
 
     /**
-     * From now on the calibration of a text of [keep] is in force, until something better is learned. The stream, the config and the
-     * heading frame stay. It is as sure as it was, less what its age costs; the first live samples are judged by: what disagrees
-     * widens or replaces it.
+     * Puts the calibration of a text of [keep] in force until something better is learned. The stream, the config and the heading frame stay.
+     * The calibration is as sure as it was, less what its age costs. The first live samples judge it: those that disagree widen or replace it.
      *
      * @param unixTimeS now, seconds since 1970, by the clock that [keep] was told; null: not known, so as good as nothing is believed
      *   beforehand
@@ -206,8 +204,8 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
     public fun adoptKept(text: String, unixTimeS: Long?): Unit = unlessClosed { native.adoptKept(text, unixTimeS) }
 
     /**
-     * Time passed that the clock of the samples does not show: the phone slept. The calibration is as unsure from here on as one that was
-     * kept for so long, and where the field points is found anew. The samples' time goes on.
+     * Tells of time that the samples' clock does not show, because the phone slept. From here on the calibration is as unsure as one that was
+     * kept for so long, and the compensator finds anew where the field points. The samples' time goes on.
      *
      * @param hiddenS about how long, seconds, 0 to 1e9
      * @throws MagcompException.Config when that is out of range; nothing has changed then
@@ -215,13 +213,13 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
     @Throws(MagcompException::class)
     public fun pushGap(hiddenS: Double): Unit = unlessClosed { native.pushGap(hiddenS) }
 
-    /** Gaps so far: of the gyroscope while it was in use, of samples, and those told by [pushGap]. */
+    /** How many gaps there were: of the gyroscope while it was in use, of samples, and those told by [pushGap]. */
     @Throws(MagcompException::class)
     public fun gaps(): Long = unlessClosed { native.gaps() }
 
     /**
-     * Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
-     * null when it is not known.
+     * The covariance in force of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless), 9 x 9, row by row; null if it is
+     * not known.
      */
     @Throws(MagcompException::class)
     public fun covariance(): List<Double>? = unlessClosed { native.covariance() }
@@ -230,7 +228,7 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
     @Throws(MagcompException::class)
     public fun fit(): EllipsoidFit? = unlessClosed { native.fit() }
 
-    /** Which directions were seen, for guidance. */
+    /** The directions that were seen, for guidance. */
     @Throws(MagcompException::class)
     public fun coverage(): DirectionCoverage {
         val out = DoubleArray(FastPath.COVERAGE)
@@ -248,7 +246,7 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
     @Throws(MagcompException::class)
     public fun reset(): Unit = unlessClosed { native.reset() }
 
-    /** Frees the native state now. May be called twice, and while another thread pushes. */
+    /** Frees the native state now. A second call does nothing, and another thread may push meanwhile. */
     override fun close() {
         try {
             unlessClosed { native.shutDown() }

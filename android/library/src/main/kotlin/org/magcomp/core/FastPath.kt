@@ -1,4 +1,4 @@
-package org.magcomp
+package org.magcomp.core
 
 /**
  * The JNI functions of `rust/magcomp-ffi/src/fast.rs`: primitives in, a caller-owned array out. Each answers a number,

@@ -1,5 +1,5 @@
 // made by bindings/generate.sh from bindings/config.toml
-package org.magcomp
+package org.magcomp.core
 
 // For Java, which has no named arguments. A field that is not set has the library's default; null unsets a field.
 
@@ -56,65 +56,4 @@ public class HeadingConfigBuilder {
 
     /** What was set so far. */
     public fun build(): HeadingConfig = built
-}
-
-/** Makes a [WindowedConfig] from Java: `new WindowedConfigBuilder().nMin(...).build()`. */
-public class WindowedConfigBuilder {
-    private var built = WindowedConfig()
-
-    /** Sets [WindowedConfig.nMin]. */
-    public fun nMin(value: Int?): WindowedConfigBuilder = apply { built = built.copy(nMin = value) }
-
-    /** Sets [WindowedConfig.nMax]. */
-    public fun nMax(value: Int?): WindowedConfigBuilder = apply { built = built.copy(nMax = value) }
-
-    /** Sets [WindowedConfig.sigmaTh]. */
-    public fun sigmaTh(value: Double?): WindowedConfigBuilder = apply { built = built.copy(sigmaTh = value) }
-
-    /** Sets [WindowedConfig.normalisation]. */
-    public fun normalisation(value: SigmaNormalisation?): WindowedConfigBuilder = apply { built = built.copy(normalisation = value) }
-
-    /** Sets [WindowedConfig.residual]. */
-    public fun residual(value: FitResidual?): WindowedConfigBuilder = apply { built = built.copy(residual = value) }
-
-    /** Sets [WindowedConfig.noiseFloorUt]. */
-    public fun noiseFloorUt(value: Double?): WindowedConfigBuilder = apply { built = built.copy(noiseFloorUt = value) }
-
-    /** What was set so far. */
-    public fun build(): WindowedConfig = built
-}
-
-/** Makes a [FitOptions] from Java: `new FitOptionsBuilder().residual(...).build()`. */
-public class FitOptionsBuilder {
-    private var built = FitOptions()
-
-    /** Sets [FitOptions.residual]. */
-    public fun residual(value: FitResidual?): FitOptionsBuilder = apply { built = built.copy(residual = value) }
-
-    /** Sets [FitOptions.fieldStrengthUt]. */
-    public fun fieldStrengthUt(value: Double?): FitOptionsBuilder = apply { built = built.copy(fieldStrengthUt = value) }
-
-    /** Sets [FitOptions.fieldLowUt]. */
-    public fun fieldLowUt(value: Double?): FitOptionsBuilder = apply { built = built.copy(fieldLowUt = value) }
-
-    /** Sets [FitOptions.fieldHighUt]. */
-    public fun fieldHighUt(value: Double?): FitOptionsBuilder = apply { built = built.copy(fieldHighUt = value) }
-
-    /** Sets [FitOptions.maxDirectionSigmaDeg]. */
-    public fun maxDirectionSigmaDeg(value: Double?): FitOptionsBuilder = apply { built = built.copy(maxDirectionSigmaDeg = value) }
-
-    /** Sets [FitOptions.noiseFloorUt]. */
-    public fun noiseFloorUt(value: Double?): FitOptionsBuilder = apply { built = built.copy(noiseFloorUt = value) }
-
-    /** Sets [FitOptions.maxResidualShare]. */
-    public fun maxResidualShare(value: Double?): FitOptionsBuilder = apply { built = built.copy(maxResidualShare = value) }
-
-    /** Sets [FitOptions.maxIterations]. */
-    public fun maxIterations(value: Int?): FitOptionsBuilder = apply { built = built.copy(maxIterations = value) }
-
-    /** Sets [FitOptions.tolerance]. */
-    public fun tolerance(value: Double?): FitOptionsBuilder = apply { built = built.copy(tolerance = value) }
-
-    /** What was set so far. */
-    public fun build(): FitOptions = built
 }
