@@ -28,7 +28,7 @@ private struct Seen: Equatable {
 }
 
 /// A recording plays as it was, whatever the compass was told meanwhile.
-@Suite(.timeLimit(.minutes(10))) struct CompassRecordingTests {
+@Suite(.longest) struct CompassRecordingTests {
     private func file() -> URL { FileManager.default.temporaryDirectory.appendingPathComponent("\(UUID()).csv") }
 
     private func played(_ url: URL) async throws -> [Seen] {
@@ -61,7 +61,7 @@ private struct Seen: Equatable {
         _ body: (Compass, Sleeping, Shared<[CompensatedReading]>) async throws -> Void
     ) async throws -> ([Seen], CompassRecording) {
         let source = Sleeping()
-        let compass = Compass(source: source, config: config, store: store, graceS: graceS, silenceS: 1e6)
+        let compass = Compass(source: source, config: config, store: store, graceS: graceS, clock: StandingClock())
         let recording = try compass.record(to: url)
         let seen = Shared<[CompensatedReading]>([])
         try await run(compass, source, seen) { try await body(compass, source, seen) }

@@ -110,7 +110,8 @@ import Testing
         let before = source.seen.value
         source.live.play(tumbling(300))
         func busy() {
-            for _ in 0..<20_000 where source.seen.value < before + 300 { Thread.sleep(forTimeInterval: 0.001) }
+            let deadline = ContinuousClock.now + .seconds(longestS)
+            while source.seen.value < before + 300, ContinuousClock.now < deadline { Thread.sleep(forTimeInterval: 0.001) }
         }
         busy()
         #expect(source.seen.value == before + 300)

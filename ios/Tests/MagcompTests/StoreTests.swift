@@ -3,7 +3,7 @@ import Foundation
 import Testing
 
 /// A compass and its store: what is kept when, and who waits for it.
-@Suite(.timeLimit(.minutes(3))) struct StoreTests {
+@Suite(.longest) struct StoreTests {
     let events = tumbling(1500)
 
     /// As views come and go: the next run begins when the one before has saved, and loads nothing old.
