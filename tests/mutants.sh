@@ -52,12 +52,12 @@ of_swift() { # [WORD]
     mkdir -p "$copy"
     git ls-files -z -- Package.swift README.md ios bindings/swift rust/magcomp-ffi/include tests/vectors \
         tests/recordings/broad_34_attached_magnet_3cm.csv.gz | xargs -0 cp --parents -t "$copy"
-    export MAGCOMP_FRAMEWORKS=stand-in MAGCOMP_NATIVE=$native MAGCOMP_EXPECTED=$target/swift
+    export MAGCOMP_NATIVE=$native MAGCOMP_EXPECTED=$target/swift
     # the tests run within the toolchain's root: the script that breaks stays outside
     export -f swift_tool
     export swift_on_path swift_root target
     python3 tests/mutants/swift/run.py "$copy" tests/mutants/swift/patches.txt "${1:-.}" -- \
-        bash -euc 'swift_tool swift test --no-parallel --scratch-path "$target/mutants/build" "$@"' mutants
+        bash -euc 'swift_tool swift test --package-path ios --no-parallel --scratch-path "$target/mutants/build" "$@"' mutants
 }
 
 of_rust() { # [SHARE [WORD [PATH...]]]
