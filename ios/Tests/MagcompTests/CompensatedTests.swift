@@ -108,14 +108,15 @@ import Testing
     }
 
     @Test func cancellingEndsAnEndlessSource() async throws {
-        let ended = Shared(false)
+        let (begun, ended) = (Shared(false), Shared(false))
         let endless = SensorSamples {
             AsyncStream<SensorSample> { continuation in
+                begun.change { $0 = true }
                 continuation.onTermination = { _ in ended.change { $0 = true } }
             }
         }
         let task = Task { try await endless.compensated().collected() }
-        try await Task.sleep(for: .milliseconds(20))
+        try await eventually { begun.value }
         task.cancel()
         #expect(try await task.value == [])
         try await eventually { ended.value }
