@@ -32,14 +32,16 @@ var targets: [Target] = [
         ]
     ),
     .testTarget(
-        name: "MagcompTests", dependencies: these(["Magcomp", "MagcompTestHooks"] + frameworks + ofApps), path: "Tests/MagcompTests"),
+        name: "MagcompTests", dependencies: these(["Magcomp", "MagcompTestHooks"] + frameworks + ofApps),
+        path: "Tests/MagcompTests"),
     .executableTarget(name: "Benchmark", dependencies: ["Magcomp", "MagcompTestHooks"], path: "Tests/Benchmark"),
 ]
 
 /// A stand-in, as if of the Core Motion from which on the library asks for the authorization status.
 func standIn(_ name: String, of others: [String] = []) -> Target {
     .target(
-        name: name, dependencies: these(others), path: "Tests/\(name)", swiftSettings: [.unsafeFlags(["-user-module-version", "3186"])])
+        name: name, dependencies: these(others), path: "Tests/\(name)",
+        swiftSettings: [.unsafeFlags(["-user-module-version", "3186"])])
 }
 
 if !frameworks.isEmpty {
@@ -50,7 +52,8 @@ if !frameworks.isEmpty {
         .target(
             name: "FerrostarAdapter", dependencies: these(["Magcomp", "CoreLocation", "FerrostarCore", "FerrostarCoreFFI"]),
             path: "Adapters/Ferrostar"),
-        .target(name: "MapLibreAdapter", dependencies: these(["Magcomp", "CoreLocation", "MapLibre"]), path: "Adapters/MapLibre"),
+        .target(
+            name: "MapLibreAdapter", dependencies: these(["Magcomp", "CoreLocation", "MapLibre"]), path: "Adapters/MapLibre"),
         .target(
             name: "CourseHelp", dependencies: these(["Magcomp", "CoreLocation"]), path: "Sample/Compass.swiftpm",
             exclude: ["CompassApp.swift", "CompassView.swift", "Package.swift"]),
@@ -59,4 +62,5 @@ if !frameworks.isEmpty {
 
 // named as that of the repository: so are the folders of its resources
 let package = Package(
-    name: "magcomp", defaultLocalization: "en", platforms: [.iOS(.v17), .macOS(.v14)], targets: targets, swiftLanguageModes: [.v6])
+    name: "magcomp", defaultLocalization: "en", platforms: [.iOS(.v17), .macOS(.v14)], targets: targets,
+    swiftLanguageModes: [.v6])

@@ -43,6 +43,8 @@ of_kotlin() { # [WORD]
 of_swift() { # [WORD]
     need mutants "${rust_tools[@]}" git:git python3:python3
     . tests/swift-toolchain.sh
+    # as tests/swift.sh
+    local packages=(--package magcomp-ffi --features magcomp-ffi/test-hooks)
     . tests/native.sh
     expected "$target/swift/expected.txt"
     gzip -dc tests/recordings/broad_34_attached_magnet_3cm.csv.gz >"$target/swift/recording.csv"

@@ -40,7 +40,8 @@ final class Readers: Sendable {
 
     /// - Parameter graceS: how long sensors run on after the last reader has left, seconds
     init(
-        of events: @escaping @Sendable () -> SensorSamples, by estimation: Estimation, graceS: Double, clock: any WaitingClock
+        of events: @escaping @Sendable () -> SensorSamples, by estimation: Estimation, graceS: Double,
+        clock: any WaitingClock
     ) {
         (self.events, self.estimation, self.clock) = (events, estimation, clock)
         state = Locked(State(graceS: graceS))

@@ -2,7 +2,7 @@
 // turns. It asserts nothing: `tests/swift.sh benchmark` runs it.
 
 import Foundation
-import Magcomp
+@_spi(Research) import Magcomp
 import MagcompTestHooks
 
 let recording = RecordingSource(url: URL(fileURLWithPath: CommandLine.arguments[1]))

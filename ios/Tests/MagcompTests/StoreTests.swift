@@ -1,5 +1,5 @@
 import Foundation
-@testable import Magcomp
+@_spi(Research) @testable import Magcomp
 import Testing
 
 /// A compass and its store: what is kept when, and who waits for it.

@@ -1,5 +1,5 @@
 import Foundation
-@testable import Magcomp
+@_spi(Research) @testable import Magcomp
 import Testing
 
 let repository = URL(fileURLWithPath: #filePath)
@@ -195,8 +195,10 @@ extension AsyncSequence where Self: Sendable, Element == SensorSample {
         let events = (self as? SensorSamples) ?? SensorSamples { self }
         return CompensatedReadings {
             let frames = Locked(HeadingFrame(axis: config.heading?.axis ?? .auto, screenRotation: .deg0))
-            return Readers(of: { events }, by: Estimation(config, store: store, frames: frames), graceS: 0, clock: StandingClock())
-                .place(capacity: capacity)
+            return Readers(
+                of: { events }, by: Estimation(config, store: store, frames: frames), graceS: 0, clock: StandingClock()
+            )
+            .place(capacity: capacity)
         }
     }
 }
