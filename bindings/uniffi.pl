@@ -3,7 +3,8 @@
 # * What serves the library alone (converters, buffers, handles, the compensator over uniffi) is hidden: `internal` in Kotlin; in Swift, where
 #   apps share one namespace with every package they use, `package`, which SwiftPM shows to this package's targets and nobody else.
 # * Documents have the names of the language and of uniffi.toml. An error's message is its sentence.
-# * Swift: cases of errors begin with a small letter, as Swift's do; what costs nothing to ask is a property.
+# * Swift: cases of errors begin with a small letter, as Swift's do; what costs nothing to ask is a property; counts are `Int`; objects have
+#   `close()`. What research needs and no app is SPI: it takes `@_spi(Research) import Magcomp`.
 use strict;
 use warnings;
 
@@ -64,6 +65,28 @@ sub kotlin {
     must 'calls', $text =~ s/^(private inline fun <U, E: kotlin\.Exception> uniffiRustCallWithError\(.*\{\n)/$1    NativeLibrary.check()\n/m;
 }
 
+# The paper's method, its fits, and the settings that a compass knows better.
+sub research {
+    return qw(CompensationMethod ConstantField EllipsoidFit FitOptions FitResidual FitTermination HeadingConfig ModelOrder SigmaNormalisation
+        SoftIron WindowedConfig);
+}
+
+# Rust refuses what is too large by the range of the setting.
+sub counts { return <<'SWIFT' }
+fileprivate struct FfiConverterInt32: FfiConverter {
+    typealias FfiType = Int32
+    typealias SwiftType = Int
+
+    public static func lift(_ value: Int32) throws -> Int { Int(value) }
+
+    public static func lower(_ value: Int) -> Int32 { Int32(clamping: value) }
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Int { try lift(readInt(&buf)) }
+
+    public static func write(_ value: Int, into buf: inout [UInt8]) { writeInt(&buf, lower(value)) }
+}
+SWIFT
+
 sub swift {
     must 'public converters', $text =~ s/^public (struct|func) (?=FfiConverter)/fileprivate $1 /mg;
     # a method's body does not call what begins with fn_func
@@ -77,6 +100,19 @@ sub swift {
 
     # the same fault
     $text =~ s{^(public enum (\w+).*?)(?=^#if compiler)}{my ($body, $name) = ($1, $2); $body =~ s/FfiConverterType\w+_lower\(self\)/FfiConverterType${name}_lower(self)/g; $body}msge;
+
+    must 'the converter of counts', $text =~ s/^fileprivate struct FfiConverterInt32: FfiConverterPrimitive \{.*?^\}\n/counts()/mse;
+    must 'counts', $text =~ s/^(    public var \w+: |.*\*\/\w+: |    typealias SwiftType = )Int32(?=\?? *(?:$|[,)=]))/$1Int/mg;
+    must 'methods of counts', $text =~ s/^( *(?:public |convenience )*(?:func|init)\b.*)\bInt32\b/$1Int/mg;
+    must 'ends', $text =~ s/^(.*func )shutDown\(/$1close(/mg;
+
+    my $research = join '|', research();
+    must 'research', $text =~ s/^(?=public (?:struct|enum|final class) (?:$research)\b|extension (?:$research)\b)/\@_spi(Research) /mg;
+    must 'properties of research', $text =~ s/^    (?=public var \w+: (?:$research)\b)/    \@_spi(Research) /mg;
+    must 'initialisers', $text =~ s{^    (public init\(\n.*?\) \{)}{
+        my $made = $1;
+        ($made =~ m{\*/\w+: (?:$research)\b} ? "    \@_spi(Research) " : "    ") . $made
+    }msge;
 
     must 'text and label', $text =~ s/^public func (text|label)\(\) -> String  \{/public var $1: String  {/mg;
     $text =~ s/`text\(\)` says it/`text` says it/g;

@@ -465,17 +465,17 @@ fileprivate final class UniffiHandleMap<T>: @unchecked Sendable {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate struct FfiConverterInt32: FfiConverterPrimitive {
+fileprivate struct FfiConverterInt32: FfiConverter {
     typealias FfiType = Int32
-    typealias SwiftType = Int32
+    typealias SwiftType = Int
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Int32 {
-        return try lift(readInt(&buf))
-    }
+    public static func lift(_ value: Int32) throws -> Int { Int(value) }
 
-    public static func write(_ value: Int32, into buf: inout [UInt8]) {
-        writeInt(&buf, lower(value))
-    }
+    public static func lower(_ value: Int) -> Int32 { Int32(clamping: value) }
+
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Int { try lift(readInt(&buf)) }
+
+    public static func write(_ value: Int, into buf: inout [UInt8]) { writeInt(&buf, lower(value)) }
 }
 
 #if swift(>=5.8)
@@ -607,7 +607,7 @@ package protocol ConstantFieldProtocol: AnyObject, Sendable {
     /**
      * Orientations so far.
      */
-    func orientations() throws  -> Int32
+    func orientations() throws  -> Int
 
     /**
      * Forgets the orientations, and makes it usable again after `MagcompError.panicked`.
@@ -617,13 +617,13 @@ package protocol ConstantFieldProtocol: AnyObject, Sendable {
     /**
      * Frees the native state now; from then on every call fails with `MagcompError.closed`. May be called twice.
      */
-    func shutDown()
+    func close()
 
 }
 /**
  * One calibration from a set of orientations: collects them, shows which directions are missing, and fits.
  */
-public final class ConstantField: ConstantFieldProtocol, @unchecked Sendable {
+@_spi(Research) public final class ConstantField: ConstantFieldProtocol, @unchecked Sendable {
     fileprivate let handle: UInt64
 
     /// Used to instantiate a [FFIObject] without an actual handle, for fakes in tests, mostly.
@@ -666,7 +666,7 @@ public final class ConstantField: ConstantFieldProtocol, @unchecked Sendable {
      * A session that averages `samplesPerOrientation` samples in a row (at least 1) into one orientation. Above 1
      * the device must be held still meanwhile; 1 is for a device that is turned about.
      */
-public convenience init(samplesPerOrientation: Int32) {
+public convenience init(samplesPerOrientation: Int) {
     let handle =
         try! rustCall() {
         uniffiCallStatus in
@@ -730,7 +730,7 @@ public func finish(options: FitOptions?)throws  -> EllipsoidFit  {
     /**
      * Orientations so far.
      */
-public func orientations()throws  -> Int32  {
+public func orientations()throws  -> Int  {
     return try  FfiConverterInt32.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_constantfield_orientations(
@@ -753,7 +753,7 @@ public func reset()throws   {try rustCallWithError(FfiConverterTypeMagcompError_
     /**
      * Frees the native state now; from then on every call fails with `MagcompError.closed`. May be called twice.
      */
-public func shutDown()  {try! rustCall() {
+public func close()  {try! rustCall() {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_constantfield_shut_down(
             self.uniffiCloneHandle(),uniffiCallStatus
@@ -909,7 +909,7 @@ package protocol NativeCompensatorProtocol: AnyObject, Sendable {
     /**
      * Frees the native state now; from then on every call fails with `MagcompError.closed`. May be called twice.
      */
-    func shutDown()
+    func close()
 
     /**
      * The declination that true headings from outside have shown. None before the first, and while a declination is set.
@@ -1205,7 +1205,7 @@ public func setHeadingFrame(frame: HeadingFrame)throws   {try rustCallWithError(
     /**
      * Frees the native state now; from then on every call fails with `MagcompError.closed`. May be called twice.
      */
-public func shutDown()  {try! rustCall() {
+public func close()  {try! rustCall() {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_shut_down(
             self.uniffiCloneHandle(),uniffiCallStatus
@@ -1520,7 +1520,7 @@ public struct CompensationConfig: Equatable, Hashable, Codable {
     /**
      * How the hard and soft iron are estimated. Default `Auto`.
      */
-    public var method: CompensationMethod?
+    @_spi(Research) public var method: CompensationMethod?
     /**
      * A calibration to begin with, from elsewhere; that of the last launch is for `adoptKept`. Default none.
      */
@@ -1548,15 +1548,15 @@ public struct CompensationConfig: Equatable, Hashable, Codable {
     /**
      * How headings are reported.
      */
-    public var heading: HeadingConfig?
+    @_spi(Research) public var heading: HeadingConfig?
     /**
      * The paper's method.
      */
-    public var windowed: WindowedConfig?
+    @_spi(Research) public var windowed: WindowedConfig?
 
     // Default memberwise initializers are never public by default, so we
     // declare one manually.
-    public init(
+    @_spi(Research) public init(
         /**
          * How the hard and soft iron are estimated. Default `Auto`.
          */method: CompensationMethod? = nil,
@@ -1994,7 +1994,7 @@ fileprivate func FfiConverterTypeEarthMagneticField_lower(_ value: EarthMagnetic
 /**
  * An ellipsoid fit and how far to trust it.
  */
-public struct EllipsoidFit: Equatable, Hashable, Codable {
+@_spi(Research) public struct EllipsoidFit: Equatable, Hashable, Codable {
     /**
      * M, b and the field strength.
      */
@@ -2006,11 +2006,11 @@ public struct EllipsoidFit: Equatable, Hashable, Codable {
     /**
      * Iterations made.
      */
-    public var iterations: Int32
+    public var iterations: Int
     /**
      * Why they ended.
      */
-    public var termination: FitTermination
+    @_spi(Research) public var termination: FitTermination
     /**
      * Rms distance of the samples from the ellipsoid, microtesla: the noise per axis.
      */
@@ -2026,11 +2026,11 @@ public struct EllipsoidFit: Equatable, Hashable, Codable {
     /**
      * Samples in the fit.
      */
-    public var samples: Int32
+    public var samples: Int
 
     // Default memberwise initializers are never public by default, so we
     // declare one manually.
-    public init(
+    @_spi(Research) public init(
         /**
          * M, b and the field strength.
          */calibration: MagnetometerCalibration,
@@ -2039,7 +2039,7 @@ public struct EllipsoidFit: Equatable, Hashable, Codable {
          */covariance: [Double],
         /**
          * Iterations made.
-         */iterations: Int32,
+         */iterations: Int,
         /**
          * Why they ended.
          */termination: FitTermination,
@@ -2054,7 +2054,7 @@ public struct EllipsoidFit: Equatable, Hashable, Codable {
          */directionSigmaDeg: Double,
         /**
          * Samples in the fit.
-         */samples: Int32) {
+         */samples: Int) {
         self.calibration = calibration
         self.covariance = covariance
         self.iterations = iterations
@@ -2071,7 +2071,7 @@ public struct EllipsoidFit: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension EllipsoidFit: Sendable {}
+@_spi(Research) extension EllipsoidFit: Sendable {}
 #endif
 
 #if swift(>=5.8)
@@ -2202,11 +2202,11 @@ fileprivate func FfiConverterTypeFieldEvent_lower(_ value: FieldEvent) -> RustBu
 /**
  * What a fit accepts and how it iterates. A field left out is the default.
  */
-public struct FitOptions: Equatable, Hashable, Codable {
+@_spi(Research) public struct FitOptions: Equatable, Hashable, Codable {
     /**
      * The residual that a fit squares and sums. Default `Corrected`.
      */
-    public var residual: FitResidual?
+    @_spi(Research) public var residual: FitResidual?
     /**
      * The field's strength, microtesla, 1 to 1000, where it is known (the geomagnetic model gives it): then the soft iron carries the sensor's scale. Every method listens to it. Default none: found by the method.
      */
@@ -2234,7 +2234,7 @@ public struct FitOptions: Equatable, Hashable, Codable {
     /**
      * Iterations at the most, 1 to 1000. Default 50.
      */
-    public var maxIterations: Int32?
+    public var maxIterations: Int?
     /**
      * The iteration has converged when a step changes no parameter by more than this (field strengths), 1e-16 to 0.1. Default 1e-10.
      */
@@ -2242,7 +2242,7 @@ public struct FitOptions: Equatable, Hashable, Codable {
 
     // Default memberwise initializers are never public by default, so we
     // declare one manually.
-    public init(
+    @_spi(Research) public init(
         /**
          * The residual that a fit squares and sums. Default `Corrected`.
          */residual: FitResidual? = nil,
@@ -2266,7 +2266,7 @@ public struct FitOptions: Equatable, Hashable, Codable {
          */maxResidualShare: Double? = nil,
         /**
          * Iterations at the most, 1 to 1000. Default 50.
-         */maxIterations: Int32? = nil,
+         */maxIterations: Int? = nil,
         /**
          * The iteration has converged when a step changes no parameter by more than this (field strengths), 1e-16 to 0.1. Default 1e-10.
          */tolerance: Double? = nil) {
@@ -2287,7 +2287,7 @@ public struct FitOptions: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension FitOptions: Sendable {}
+@_spi(Research) extension FitOptions: Sendable {}
 #endif
 
 #if swift(>=5.8)
@@ -2410,7 +2410,7 @@ fileprivate func FfiConverterTypeFoundDeclination_lower(_ value: FoundDeclinatio
 /**
  * How headings are reported. A field left out is the default.
  */
-public struct HeadingConfig: Equatable, Hashable, Codable {
+@_spi(Research) public struct HeadingConfig: Equatable, Hashable, Codable {
     /**
      * The axis whose heading it is. Default `Auto`.
      */
@@ -2455,7 +2455,7 @@ public struct HeadingConfig: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension HeadingConfig: Sendable {}
+@_spi(Research) extension HeadingConfig: Sendable {}
 #endif
 
 #if swift(>=5.8)
@@ -2715,7 +2715,7 @@ public struct MagneticReading: Equatable, Hashable, Codable {
     /**
      * Samples in the window of the estimator.
      */
-    public var window: Int32
+    public var window: Int
     /**
      * Share of the directions seen in that window, 0 to 1.
      */
@@ -2731,7 +2731,7 @@ public struct MagneticReading: Equatable, Hashable, Codable {
     /**
      * Which parameters the latest change set free. Adaptive method only. None when it is not known.
      */
-    public var modelOrder: ModelOrder?
+    @_spi(Research) public var modelOrder: ModelOrder?
     /**
      * By how much the operating system's own hard-iron estimate jumped with this sample, microtesla. A jump means that the operating system has recalibrated; the raw field has not changed. None when it did not jump or is not reported.
      */
@@ -2751,7 +2751,7 @@ public struct MagneticReading: Equatable, Hashable, Codable {
 
     // Default memberwise initializers are never public by default, so we
     // declare one manually.
-    public init(
+    @_spi(Research) public init(
         /**
          * Time of the sample, nanoseconds.
          */timeNs: Int64,
@@ -2778,7 +2778,7 @@ public struct MagneticReading: Equatable, Hashable, Codable {
          */sigmaT: Double?,
         /**
          * Samples in the window of the estimator.
-         */window: Int32,
+         */window: Int,
         /**
          * Share of the directions seen in that window, 0 to 1.
          */coverage: Double,
@@ -2985,7 +2985,7 @@ public struct MagnetometerCalibration: Equatable, Hashable, Codable {
     /**
      * M, dimensionless, no element of it or of its inverse beyond +-1000.
      */
-    public var softIron: SoftIron
+    @_spi(Research) public var softIron: SoftIron
     /**
      * b, microtesla, each component within +-100 000: subtracted from the raw field.
      */
@@ -2997,7 +2997,7 @@ public struct MagnetometerCalibration: Equatable, Hashable, Codable {
 
     // Default memberwise initializers are never public by default, so we
     // declare one manually.
-    public init(
+    @_spi(Research) public init(
         /**
          * M, dimensionless, no element of it or of its inverse beyond +-1000.
          */softIron: SoftIron,
@@ -3129,7 +3129,7 @@ fileprivate func FfiConverterTypeRotationRateSample_lower(_ value: RotationRateS
 /**
  * Soft iron M: symmetric positive definite, dimensionless.
  */
-public struct SoftIron: Equatable, Hashable, Codable {
+@_spi(Research) public struct SoftIron: Equatable, Hashable, Codable {
     /**
      * m_xx.
      */
@@ -3190,7 +3190,7 @@ public struct SoftIron: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension SoftIron: Sendable {}
+@_spi(Research) extension SoftIron: Sendable {}
 #endif
 
 #if swift(>=5.8)
@@ -3307,15 +3307,15 @@ fileprivate func FfiConverterTypeUpSample_lower(_ value: UpSample) -> RustBuffer
 /**
  * The paper's method (section IV, fig. 3). A field left out is the default.
  */
-public struct WindowedConfig: Equatable, Hashable, Codable {
+@_spi(Research) public struct WindowedConfig: Equatable, Hashable, Codable {
     /**
      * N_min, samples, 9 to N_max: the shortest window, and what sigma_T looks at. Default 100; smaller follows changes sooner with more noise.
      */
-    public var nMin: Int32?
+    public var nMin: Int?
     /**
      * N_max, samples, at most 100 000: the longest window. Default 2000; larger is steadier under poor motion and slower to forget.
      */
-    public var nMax: Int32?
+    public var nMax: Int?
     /**
      * sigma_th, dimensionless, 0 to 10: below it nothing is updated. Default 0.1.
      */
@@ -3323,11 +3323,11 @@ public struct WindowedConfig: Equatable, Hashable, Codable {
     /**
      * How the standard deviations in sigma_T are normalised. Default `HalfRange`.
      */
-    public var normalisation: SigmaNormalisation?
+    @_spi(Research) public var normalisation: SigmaNormalisation?
     /**
      * The residual that fits square and sum. Default `Corrected`. `Algebraic` follows the paper as written: a window is fitted however far its samples lie from one ellipsoid.
      */
-    public var residual: FitResidual?
+    @_spi(Research) public var residual: FitResidual?
     /**
      * Least white noise, microtesla per axis, 0 to 1000, for which a fit is judged. Default 5; smaller accepts poorer coverage where the residual is small.
      */
@@ -3335,13 +3335,13 @@ public struct WindowedConfig: Equatable, Hashable, Codable {
 
     // Default memberwise initializers are never public by default, so we
     // declare one manually.
-    public init(
+    @_spi(Research) public init(
         /**
-         * N_min, samples, 9 to N_max: the shortest window, and what sigma_T looks at. Default 100; smaller follows changes sooner with more noise.
-         */nMin: Int32? = nil,
+         * N_min, samples, 9 to N_max: the shortest window. Default 100.
+         */nMin: Int? = nil,
         /**
-         * N_max, samples, at most 100 000: the longest window. Default 2000; larger is steadier under poor motion and slower to forget.
-         */nMax: Int32? = nil,
+         * N_max, samples, at most 100 000: the longest window. Default 2000.
+         */nMax: Int? = nil,
         /**
          * sigma_th, dimensionless, 0 to 10: below it nothing is updated. Default 0.1.
          */sigmaTh: Double? = nil,
@@ -3368,7 +3368,7 @@ public struct WindowedConfig: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension WindowedConfig: Sendable {}
+@_spi(Research) extension WindowedConfig: Sendable {}
 #endif
 
 #if swift(>=5.8)
@@ -3425,10 +3425,10 @@ public enum CollectingReason: Equatable, Hashable, Codable {
     case samples(
         /**
          * Samples so far.
-         */have: Int32,
+         */have: Int,
         /**
          * Samples needed.
-         */need: Int32
+         */need: Int
     )
     /**
      * The samples allow no fit; the problem is named.
@@ -3528,7 +3528,7 @@ fileprivate func FfiConverterTypeCollectingReason_lower(_ value: CollectingReaso
  * How the hard and soft iron are estimated.
  */
 
-public enum CompensationMethod: Equatable, Hashable, Codable {
+@_spi(Research) public enum CompensationMethod: Equatable, Hashable, Codable {
 
     /**
      * Gyroscope and gravity beside the magnetometer; works as `Adaptive` while there is no usable gyroscope.
@@ -3558,7 +3558,7 @@ public enum CompensationMethod: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension CompensationMethod: Sendable {}
+@_spi(Research) extension CompensationMethod: Sendable {}
 #endif
 
 #if swift(>=5.8)
@@ -4097,7 +4097,7 @@ public enum FitProblem: Equatable, Hashable, Codable {
     case tooFewSamples(
         /**
          * How many there are.
-         */have: Int32
+         */have: Int
     )
     /**
      * All samples lie near one plane.
@@ -4272,7 +4272,7 @@ fileprivate func FfiConverterTypeFitProblem_lower(_ value: FitProblem) -> RustBu
  * The residual that a fit squares and sums.
  */
 
-public enum FitResidual: Equatable, Hashable, Codable {
+@_spi(Research) public enum FitResidual: Equatable, Hashable, Codable {
 
     /**
      * Eq. (10) of the paper as written. Biased in scale by about 3 nu^2 (nu: noise over field strength), and in everything when the sphere is only partly covered.
@@ -4290,7 +4290,7 @@ public enum FitResidual: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension FitResidual: Sendable {}
+@_spi(Research) extension FitResidual: Sendable {}
 #endif
 
 #if swift(>=5.8)
@@ -4347,7 +4347,7 @@ fileprivate func FfiConverterTypeFitResidual_lower(_ value: FitResidual) -> Rust
  * Why an iteration stopped. Each is an answer; the last two say how good.
  */
 
-public enum FitTermination: Equatable, Hashable, Codable {
+@_spi(Research) public enum FitTermination: Equatable, Hashable, Codable {
 
     /**
      * The last step was below the tolerance.
@@ -4369,7 +4369,7 @@ public enum FitTermination: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension FitTermination: Sendable {}
+@_spi(Research) extension FitTermination: Sendable {}
 #endif
 
 #if swift(>=5.8)
@@ -5076,7 +5076,7 @@ fileprivate func FfiConverterTypeMagcompLogLevel_lower(_ value: MagcompLogLevel)
  * Which of the nine parameters a change set free.
  */
 
-public enum ModelOrder: Equatable, Hashable, Codable {
+@_spi(Research) public enum ModelOrder: Equatable, Hashable, Codable {
 
     /**
      * None: all nine stay.
@@ -5102,7 +5102,7 @@ public enum ModelOrder: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension ModelOrder: Sendable {}
+@_spi(Research) extension ModelOrder: Sendable {}
 #endif
 
 #if swift(>=5.8)
@@ -5390,7 +5390,7 @@ public enum RejectReason: Equatable, Hashable, Codable {
     case stuck(
         /**
          * How many times in a row the value was accepted before.
-         */repeats: Int32
+         */repeats: Int
     )
     /**
      * The field turns as if the magnetometer had other axes than the gyroscope; the text says which. Asked again with every turn. Give both sensors the same axes.
@@ -5398,13 +5398,13 @@ public enum RejectReason: Equatable, Hashable, Codable {
     case axes(
         /**
          * The sample's component along the gyroscope's x, 1 to 3; negative where it points the other way.
-         */x: Int32,
+         */x: Int,
         /**
          * Along y.
-         */y: Int32,
+         */y: Int,
         /**
          * Along z.
-         */z: Int32
+         */z: Int
     )
 
 
@@ -5722,7 +5722,7 @@ fileprivate func FfiConverterTypeSensorMode_lower(_ value: SensorMode) -> RustBu
  * How the standard deviations in sigma_T, eq. (15), are normalised.
  */
 
-public enum SigmaNormalisation: Equatable, Hashable, Codable {
+@_spi(Research) public enum SigmaNormalisation: Equatable, Hashable, Codable {
 
     /**
      * By half the range of each axis, 180 and 90 degrees: even orientations give 0.723, and so N = 626 of 100 to 2000.
@@ -5740,7 +5740,7 @@ public enum SigmaNormalisation: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension SigmaNormalisation: Sendable {}
+@_spi(Research) extension SigmaNormalisation: Sendable {}
 #endif
 
 #if swift(>=5.8)
@@ -5881,7 +5881,7 @@ fileprivate func FfiConverterTypeWorldYaw_lower(_ value: WorldYaw) -> RustBuffer
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterOptionInt32: FfiConverterRustBuffer {
-    typealias SwiftType = Int32?
+    typealias SwiftType = Int?
 
     public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
         guard let value = value else {

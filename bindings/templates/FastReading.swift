@@ -14,7 +14,7 @@ extension MagneticReading {
         self.init(
             timeNs: timeNs,
 {% for field in reading.fields %}
-            {{ field.camel }}: {% if field.kind == "vector" %}vector(c.{{ field.name }}){% elif field.kind == "real" %}known(c.{{ field.name }}){% elif field.is_enum %}{{ field.app }}(c.{{ field.name }}){% elif field.is_record %}{{ field.camel }}{% else %}c.{{ field.name }}{% endif %},
+            {{ field.camel }}: {% if field.kind == "vector" %}vector(c.{{ field.name }}){% elif field.kind == "real" %}known(c.{{ field.name }}){% elif field.is_enum %}{{ field.app }}(c.{{ field.name }}){% elif field.is_record %}{{ field.camel }}{% elif field.kind == "count" %}Int(c.{{ field.name }}){% else %}c.{{ field.name }}{% endif %},
 {% endfor %}
             event: FieldEvent(c.event),
             status: CompensationStatus(c.status)
@@ -29,7 +29,7 @@ private func vector(_ v: (Double, Double, Double)) -> DeviceVector? {
 }
 
 /// An axis as a number: 1 to 3, negative where it points the other way; 0 for what is none.
-private func axis(_ number: Double) -> Int32 { Int32(exactly: number) ?? 0 }
+private func axis(_ number: Double) -> Int { Int(exactly: number) ?? 0 }
 
 /// The header and the library are of one build: only a defect leads here.
 private func unknown(_ what: String, _ code: Int32) -> Never {
@@ -37,7 +37,7 @@ private func unknown(_ what: String, _ code: Int32) -> Never {
 }
 
 {% macro read(field) %}
-{% if field.kind == "count" %}Int32(clamping: c.whole.{{ field.place }}){% elif field.kind == "time" %}c.whole.{{ field.place }}{% elif field.kind == "axis" %}DeviceAxis(c.whole.{{ field.place }}){% elif field.kind == "signed_axis" %}axis({{ ["a", "b", "third"][field.place] }}){% elif field.kind == "real" %}{{ ["a", "b", "third"][field.place] }}{% else %}{{ by_name[field.kind].app }}(c){% endif %}
+{% if field.kind == "count" %}Int(clamping: c.whole.{{ field.place }}){% elif field.kind == "time" %}c.whole.{{ field.place }}{% elif field.kind == "axis" %}DeviceAxis(c.whole.{{ field.place }}){% elif field.kind == "signed_axis" %}axis({{ ["a", "b", "third"][field.place] }}){% elif field.kind == "real" %}{{ ["a", "b", "third"][field.place] }}{% else %}{{ by_name[field.kind].app }}(c){% endif %}
 {%- endmacro %}
 {% macro made(case) %}
 .{{ case.camel }}{% if case.fields %}({% for field in case.fields %}{{ field.camel }}: {{ read(field) }}{{ ", " if not loop.last }}{% endfor %}){% endif %}

@@ -27,9 +27,9 @@ extension {{ one.app }} {
 }
 
 {% endfor %}
-/// An axis as one types it: `-x`. What is none is the nearest, as in the core's own text.
-private func typed(_ axis: Int32) -> String {
-    (axis < 0 ? "-" : "") + ["x", "y", "z"][min(max(Int(axis.magnitude), 1), 3) - 1]
+/// An axis as one types it: `-x`. What is none is the nearest.
+private func typed(_ axis: Int) -> String {
+    (axis < 0 ? "-" : "") + ["x", "y", "z"][min(max(Int(clamping: axis.magnitude), 1), 3) - 1]
 }
 
 extension {{ by_name.Status.app }} {

@@ -37,6 +37,16 @@ extension simd_quatd {
 #endif
 
 extension CompensationConfig {
+    /// What an app may know of its phone and place; a field left out has the library's default.
+    public init(
+        initial: MagnetometerCalibration? = nil, initialSigmaUt: Double? = nil, useReportedHardIron: Bool? = nil,
+        rangeUt: Double? = nil, railUt: Double? = nil, fieldStrengthUt: Double? = nil
+    ) {
+        self.init(
+            method: nil, initial: initial, initialSigmaUt: initialSigmaUt, useReportedHardIron: useReportedHardIron,
+            rangeUt: rangeUt, railUt: railUt, fieldStrengthUt: fieldStrengthUt, heading: nil, windowed: nil)
+    }
+
     /// The library's defaults, every field given.
     public static var defaults: CompensationConfig { defaultConfig() }
 }

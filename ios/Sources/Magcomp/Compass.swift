@@ -26,15 +26,14 @@ public final class Compass: Sendable {
         source: any MagneticFieldSource, config: CompensationConfig = CompensationConfig(),
         store: (any CalibrationStore)? = nil, graceS: Double = 5
     ) {
-        self.init(source: source, config: config, store: store, graceS: graceS, unixTimeS: systemUnixTimeS)
+        self.init(
+            source: source, config: config, store: store, graceS: graceS, clock: SystemClock(), unixTimeS: systemUnixTimeS)
     }
 
-    /// With another wall clock, seconds since 1970, another patience with an iterator that asks for nothing, and with a source that
-    /// is silent, seconds.
+    /// With another clock to wait by, and another wall clock, seconds since 1970.
     init(
-        source: any MagneticFieldSource, config: CompensationConfig = CompensationConfig(),
-        store: (any CalibrationStore)? = nil, graceS: Double = 0, patienceS: Double = 5, silenceS: Double = 2,
-        unixTimeS: @escaping @Sendable () -> Int64
+        source: any MagneticFieldSource, config: CompensationConfig, store: (any CalibrationStore)?, graceS: Double,
+        clock: any WaitingClock, unixTimeS: @escaping @Sendable () -> Int64
     ) {
         let frames = Locked(
             HeadingFrame(
@@ -44,7 +43,7 @@ public final class Compass: Sendable {
         self.frames = frames
         estimation = Estimation(
             config, store: store, hiddenS: { source.hiddenS }, unixTimeS: unixTimeS, frames: frames)
-        readers = Readers(of: { source.samples() }, by: estimation, graceS: graceS, patienceS: patienceS, silenceS: silenceS)
+        readers = Readers(of: { source.samples() }, by: estimation, graceS: graceS, clock: clock)
     }
 
     deinit { readers.endGrace() }

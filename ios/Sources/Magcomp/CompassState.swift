@@ -62,22 +62,13 @@ public struct CompassDisplay: Equatable, Sendable {
     /// Half-life of headings' smoothing, seconds, above 0; nil, the default: they are shown as they come.
     public var smoothingHalfLifeS: Double?
 
-    /// Least change of the heading that is shown, degrees, at least 0, as Core Location's `headingFilter`; other values change
-    /// all the same. Default 0.
-    public var headingFilterDeg: Double
-
-    public init(rateHz: Double = 60, smoothingHalfLifeS: Double? = nil, headingFilterDeg: Double = 0) {
+    public init(rateHz: Double = 60, smoothingHalfLifeS: Double? = nil) {
         (self.rateHz, self.smoothingHalfLifeS) = (rateHz, smoothingHalfLifeS)
-        self.headingFilterDeg = headingFilterDeg
     }
 
     func check() throws {
         for (field, value) in [("rateHz", rateHz), ("smoothingHalfLifeS", smoothingHalfLifeS ?? 1)] where !(value > 0) {
             throw MagcompError.config(field: "CompassDisplay.\(field)", value: "\(value)", expected: "above 0")
-        }
-        guard headingFilterDeg >= 0 else {
-            throw MagcompError.config(
-                field: "CompassDisplay.headingFilterDeg", value: "\(headingFilterDeg)", expected: "at least 0")
         }
     }
 }
@@ -123,7 +114,7 @@ extension Compass {
     }
 }
 
-/// What a screen shows of the readings it sees: some of them, smoothed, little changes left out, as its display says.
+/// What a screen shows of the readings it sees: some of them, smoothed, as its display says.
 struct CompassScreen {
     private(set) var state = CompassState()
     private let display: CompassDisplay
@@ -165,19 +156,10 @@ struct CompassScreen {
     }
 
     private mutating func take(_ answer: CompensatedReading) {
-        let (before, trueBefore) = (state.headingDeg, state.trueHeadingDeg)
         state.show(answer)
         let timeNs = answer.sample.timeNs
         state.headingDeg = smooth(state.headingDeg, timeNs, &heading)
         state.trueHeadingDeg = smooth(state.trueHeadingDeg, timeNs, &trueHeading)
-        if isLittle(before, state.headingDeg), isLittle(trueBefore, state.trueHeadingDeg) {
-            (state.headingDeg, state.trueHeadingDeg) = (before, trueBefore)
-        }
-    }
-
-    private func isLittle(_ one: Double?, _ other: Double?) -> Bool {
-        guard let one, let other else { return one == other }
-        return abs((one - other).remainder(dividingBy: 360)) < display.headingFilterDeg
     }
 }
 

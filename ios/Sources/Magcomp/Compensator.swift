@@ -148,10 +148,10 @@ public final class Compensator: Sendable {
 
     /// Covariance of b_x b_y b_z (microtesla) m_xx m_yy m_zz m_xy m_xz m_yz (dimensionless) in force, 9 x 9, row by row;
     /// nil when it is not known.
-    public func covariance() throws -> [Double]? { try native.covariance() }
+    @_spi(Research) public func covariance() throws -> [Double]? { try native.covariance() }
 
     /// The latest ellipsoid fit that was accepted, with its covariance; the aided and the adaptive method make none.
-    public func fit() throws -> EllipsoidFit? { try native.fit() }
+    @_spi(Research) public func fit() throws -> EllipsoidFit? { try native.fit() }
 
     /// Which directions were seen, for guidance.
     public func coverage() throws -> DirectionCoverage { try native.coverage() }
@@ -161,7 +161,7 @@ public final class Compensator: Sendable {
     public func reset() throws { try native.reset() }
 
     /// Frees the native state now. May be called twice, and while another thread pushes.
-    public func close() { native.shutDown() }
+    public func close() { native.close() }
 
     @discardableResult
     private func check(_ code: Int32) throws -> Int32 {

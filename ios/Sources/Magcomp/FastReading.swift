@@ -21,7 +21,7 @@ extension MagneticReading {
             heading: heading,
             attitude: attitude,
             sigmaT: known(c.sigma_t),
-            window: c.window,
+            window: Int(c.window),
             coverage: c.coverage,
             directionSigmaDeg: known(c.direction_sigma_deg),
             worstSigmaDeg: known(c.worst_sigma_deg),
@@ -41,7 +41,7 @@ private func vector(_ v: (Double, Double, Double)) -> DeviceVector? {
 }
 
 /// An axis as a number: 1 to 3, negative where it points the other way; 0 for what is none.
-private func axis(_ number: Double) -> Int32 { Int32(exactly: number) ?? 0 }
+private func axis(_ number: Double) -> Int { Int(exactly: number) ?? 0 }
 
 /// The header and the library are of one build: only a defect leads here.
 private func unknown(_ what: String, _ code: Int32) -> Never {
@@ -106,7 +106,7 @@ extension CollectingReason {
     fileprivate init(_ c: MagcompStatus) {
         self =
             switch c.reason {
-            case 0: .samples(have: Int32(clamping: c.whole.0), need: Int32(clamping: c.whole.1))
+            case 0: .samples(have: Int(clamping: c.whole.0), need: Int(clamping: c.whole.1))
             case 1: .fit(problem: FitProblem(c))
             case 2: .rotation
             case 3: .directions
@@ -140,7 +140,7 @@ extension RejectReason {
             case 2: .saturated(axis: DeviceAxis(c.whole.0), valueUt: a, railUt: b)
             case 3: .timeNotAfter(timeNs: c.whole.0, latestNs: c.whole.1)
             case 4: .timeJump(gapS: a, limitS: b)
-            case 5: .stuck(repeats: Int32(clamping: c.whole.0))
+            case 5: .stuck(repeats: Int(clamping: c.whole.0))
             case 6: .axes(x: axis(a), y: axis(b), z: axis(third))
             default: unknown("reject reason", c.reason)
             }
@@ -152,7 +152,7 @@ extension FitProblem {
         let (a, b, third) = c.real
         self =
             switch c.problem {
-            case 0: .tooFewSamples(have: Int32(clamping: c.whole.0))
+            case 0: .tooFewSamples(have: Int(clamping: c.whole.0))
             case 1: .planar(thicknessUt: a)
             case 2: .poorCoverage(directionSigmaDeg: a, limitDeg: b)
             case 3: .inconsistent(residualUt: a, limitUt: b)

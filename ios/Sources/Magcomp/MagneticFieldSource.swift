@@ -134,7 +134,7 @@ public struct SensorSamples: AsyncSequence, Sendable {
 
     /// As ``init(isLive:_:)``, from a sequence that has several events at once: their readings go to who iterates together, which costs
     /// less.
-    public static func batches<S: AsyncSequence>(
+    package static func batches<S: AsyncSequence>(
         isLive: Bool = true, _ make: @escaping @Sendable () -> S
     ) -> SensorSamples where S.Element == [SensorSample] {
         SensorSamples(isLive, make) { $0.append(contentsOf: $1) }

@@ -30,20 +30,20 @@ final class Readers: Sendable {
 
     private let events: @Sendable () -> SensorSamples
     private let estimation: Estimation
-    private let patienceS: Double
-    private let silenceS: Double
+    private let clock: any WaitingClock
     private let state: Locked<State>
+    /// How long events that can wait do so for a reader that asks for nothing while others read; up to twice that.
+    private static let patienceNs: Int64 = 5_000_000_000
+    /// After how long without a sample readers of a live source are told; up to a quarter, a look, later.
+    private static let silenceNs: Int64 = 2_000_000_000
+    private static let looks = 4
 
-    /// - Parameters:
-    ///   - graceS: how long sensors run on after the last reader has left, seconds
-    ///   - patienceS: how long events that can wait do so for a reader that asks for nothing while others read, seconds; up to twice that
-    ///   - silenceS: after how long without a sample readers of a live source are told, seconds; up to a quarter later
+    /// - Parameter graceS: how long sensors run on after the last reader has left, seconds
     init(
-        of events: @escaping @Sendable () -> SensorSamples, by estimation: Estimation, graceS: Double, patienceS: Double = 5,
-        silenceS: Double = 2
+        of events: @escaping @Sendable () -> SensorSamples, by estimation: Estimation, graceS: Double,
+        clock: any WaitingClock
     ) {
-        (self.events, self.estimation, self.patienceS) = (events, estimation, patienceS)
-        self.silenceS = silenceS
+        (self.events, self.estimation, self.clock) = (events, estimation, clock)
         state = Locked(State(graceS: graceS))
     }
 
@@ -102,7 +102,7 @@ final class Readers: Sendable {
         // the app may end before the run does
         estimation.save()
         Task {
-            try await Task.sleep(for: .seconds(min(grace.seconds, 1e9)))
+            try await clock.sleep(forNs: Int64(min(grace.seconds, 1e9) * 1e9))
             state.change { $0.isIdle && $0.leaves == grace.leave ? Self.over(&$0) : nil }?.cancel()
         }
     }
@@ -177,13 +177,12 @@ final class Readers: Sendable {
 
     /// Tells once when a live source has delivered no sample for too long, from the run's beginning on.
     private func watchForSilence(_ run: Int) async throws {
-        let looks = 4
         var (heard, quiet) = (state.change { $0.heard }, 0)
         while true {
-            try await Task.sleep(for: .seconds(silenceS / Double(looks)))
+            try await clock.sleep(forNs: Self.silenceNs / Int64(Self.looks))
             let now = state.change { $0.heard }
             (quiet, heard) = (now == heard ? quiet + 1 : 0, now)
-            guard quiet == looks else { continue }
+            guard quiet == Self.looks else { continue }
             let silent = estimation.silent(after: latest)
             // one more sample may have come meanwhile: then nobody is silent
             let readers = state.change { state -> [Reader] in
@@ -208,7 +207,7 @@ final class Readers: Sendable {
     /// Ends what waits for too long.
     private func watch(_ run: Int) async throws {
         while true {
-            try await Task.sleep(for: .seconds(patienceS))
+            try await clock.sleep(forNs: Self.patienceNs)
             for reader in state.value.readers.values where reader.run == run { reader.losePatience() }
         }
     }

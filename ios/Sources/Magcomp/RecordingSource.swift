@@ -35,7 +35,7 @@ public struct RecordingSource: MagneticFieldSource {
     private let open: @Sendable () throws -> Data
     private let speed: Double?
     private let courses: HeadedAxis?
-    private let clock: any PlayingClock
+    private let clock: any WaitingClock
 
     /// - Parameters:
     ///   - name: said in errors
@@ -61,7 +61,7 @@ public struct RecordingSource: MagneticFieldSource {
     }
 
     init(
-        name: String, speed: Double?, courses: HeadedAxis? = nil, clock: any PlayingClock,
+        name: String, speed: Double?, courses: HeadedAxis? = nil, clock: any WaitingClock,
         open: @escaping @Sendable () throws -> Data
     ) {
         (self.name, self.speed, self.courses, self.clock, self.open) = (name, speed, courses, clock, open)
@@ -76,14 +76,14 @@ public struct RecordingSource: MagneticFieldSource {
     }
 }
 
-/// What a recording is played by; a test has its own.
-protocol PlayingClock: Sendable {
+/// By what everything waits; a test has its own.
+protocol WaitingClock: Sendable {
     var nowNs: Int64 { get }
 
     func sleep(forNs: Int64) async throws
 }
 
-struct SystemClock: PlayingClock {
+struct SystemClock: WaitingClock {
     var nowNs: Int64 { Int64(DispatchTime.now().uptimeNanoseconds) }
 
     func sleep(forNs ns: Int64) async throws { try await Task.sleep(for: .nanoseconds(ns)) }
@@ -93,12 +93,12 @@ struct SystemClock: PlayingClock {
 struct Pace {
     private let source: String
     private let speed: Double
-    private let clock: any PlayingClock
+    private let clock: any WaitingClock
     /// Time of the first row, and when it was read.
     private var start: (rowNs: Int64, nowNs: Int64)?
 
     /// - Parameter source: named in errors
-    init(_ source: String, speed: Double, clock: any PlayingClock) {
+    init(_ source: String, speed: Double, clock: any WaitingClock) {
         (self.source, self.speed, self.clock) = (source, speed, clock)
     }
 

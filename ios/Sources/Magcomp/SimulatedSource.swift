@@ -7,12 +7,12 @@ import Foundation
 /// Like those of a ``RecordingSource`` its events wait for whoever reads them.
 public struct SimulatedSource: MagneticFieldSource {
     private let speed: Double?
-    private let clock: any PlayingClock
+    private let clock: any WaitingClock
 
     /// - Parameter speed: 1 plays at its own pace, 2 twice as fast, above 0; nil: as fast as it is read
     public init(speed: Double? = 1) { self.init(speed: speed, clock: SystemClock()) }
 
-    init(speed: Double?, clock: any PlayingClock) { (self.speed, self.clock) = (speed, clock) }
+    init(speed: Double?, clock: any WaitingClock) { (self.speed, self.clock) = (speed, clock) }
 
     public func samples() -> SensorSamples {
         SensorSamples.batches(isLive: false) { [speed, clock] in

@@ -80,9 +80,9 @@ extension HeadingAid {
     }
 }
 
-/// An axis as one types it: `-x`. What is none is the nearest, as in the core's own text.
-private func typed(_ axis: Int32) -> String {
-    (axis < 0 ? "-" : "") + ["x", "y", "z"][min(max(Int(axis.magnitude), 1), 3) - 1]
+/// An axis as one types it: `-x`. What is none is the nearest.
+private func typed(_ axis: Int) -> String {
+    (axis < 0 ? "-" : "") + ["x", "y", "z"][min(max(Int(clamping: axis.magnitude), 1), 3) - 1]
 }
 
 extension CompensationStatus {

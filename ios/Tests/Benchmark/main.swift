@@ -2,7 +2,7 @@
 // turns. It asserts nothing: `tests/swift.sh benchmark` runs it.
 
 import Foundation
-import Magcomp
+@_spi(Research) import Magcomp
 import MagcompTestHooks
 
 let recording = RecordingSource(url: URL(fileURLWithPath: CommandLine.arguments[1]))
@@ -216,10 +216,12 @@ for round in 0..<13 {
         if round >= 2 { costs[k].append((processorNs() - begin) / Double(magnetic.count)) }
     }
 }
-print("processor ns a sample with its events of gyroscope and up, by the ways of an app: median of 11 rounds, in turns")
+// others on the machine add to a round and never take from it
+let least = costs.map { $0.min() ?? 0 }
+print("processor ns a sample with its events of gyroscope and up, by the ways of an app: least of 11 rounds, in turns")
 for (k, way) in ways.enumerated() {
-    let ns = String(format: "%9.0f", median(costs[k]))
-    let ratio = String(format: "%.2f", median(zip(costs[k], costs[0]).map { $0 / $1 }))
+    let ns = String(format: "%9.0f", least[k])
+    let ratio = String(format: "%.2f", least[k] / least[0])
     print("  \(way.name.padding(toLength: 40, withPad: " ", startingAt: 0))\(ns) ns  (\(ratio))")
 }
 exit(seen.isFinite ? 0 : 1)

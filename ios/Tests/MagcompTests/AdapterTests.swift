@@ -93,16 +93,16 @@ private struct BrokenSource: MagneticFieldSource {
     /// An arrow that stays where the compass knows nothing would be a wrong number.
     @Test(arguments: [true, false]) func aHeadingThatIsLostIsTold(isStopped: Bool) async throws {
         let source = Live()
-        let compass = Compass(source: source, graceS: 0, silenceS: 0.2)
+        let clock = StandingClock()
+        let compass = Compass(source: source, clock: clock)
         try compass.setDeclinationDeg(0)
         let adapter = CompassLocationProvider(locations: provider, compass: compass)
         adapter.delegate = map
         adapter.startUpdating()
         try await source.started(1)
         source.play(tumbling(600))
-        // it may be lost again by now
-        try await eventually { !map.headings.isEmpty }
-        if isStopped { adapter.stopUpdating() }
+        try await eventually { !map.headings.isEmpty && compass.latest?.sample.timeNs == 600 * stepNs }
+        if isStopped { adapter.stopUpdating() } else { try await clock.look(5) }
         try await eventually { adapter.lastHeading == nil }
         #expect(map.headings.last?.accuracy == 180)
         let count = map.headings.count
@@ -178,7 +178,8 @@ private struct BrokenSource: MagneticFieldSource {
 
     @Test(arguments: [true, false]) func aHeadingThatIsLostIsToldOnceByANegativeAccuracy(isStopped: Bool) async throws {
         let source = Live()
-        let compass = Compass(source: source, graceS: 0, silenceS: 0.2)
+        let clock = StandingClock()
+        let compass = Compass(source: source, clock: clock)
         let adapter = CompassLocationManager(compass, locations: locations)
         adapter.delegate = map
         adapter.startUpdatingHeading()
@@ -187,9 +188,10 @@ private struct BrokenSource: MagneticFieldSource {
         source.play(tumbling(1))
         try await eventually { map.headings.count == 1 }
         source.play(tumbling(600).dropFirst(2))
-        // it may be lost again by now
-        try await eventually { map.headings.contains { $0.headingAccuracy > 0 } }
-        if isStopped { adapter.stopUpdatingHeading() }
+        try await eventually {
+            map.headings.contains { $0.headingAccuracy > 0 } && compass.latest?.sample.timeNs == 600 * stepNs
+        }
+        if isStopped { adapter.stopUpdatingHeading() } else { try await clock.look(5) }
         try await eventually { map.headings.last?.headingAccuracy == -1 }
         let lost = try #require(map.headings.last)
         #expect(lost.magneticHeading == -1 && lost.trueHeading == -1 && abs(lost.timestamp.timeIntervalSinceNow) < 1e7)

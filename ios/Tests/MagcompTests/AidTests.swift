@@ -2,7 +2,7 @@ import Foundation
 import MagcompTestHooks
 import Testing
 
-@testable import Magcomp
+@_spi(Research) @testable import Magcomp
 
 @Suite struct AidTests {
     /// Flat, the screen up, the top edge along -z of ARKit's world, which is y of one whose z points up.

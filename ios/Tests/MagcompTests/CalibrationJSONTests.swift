@@ -1,5 +1,5 @@
 import Foundation
-import Magcomp
+@_spi(Research) import Magcomp
 import Testing
 
 @Suite struct CalibrationJSONTests {

@@ -1,5 +1,5 @@
 import Foundation
-@testable import Magcomp
+@_spi(Research) @testable import Magcomp
 import Observation
 import Testing
 
@@ -88,8 +88,6 @@ import Testing
         for (display, field) in [
             (CompassDisplay(rateHz: 0), "rateHz"), (CompassDisplay(rateHz: .nan), "rateHz"),
             (CompassDisplay(smoothingHalfLifeS: -1), "smoothingHalfLifeS"),
-            (CompassDisplay(headingFilterDeg: -1), "headingFilterDeg"),
-            (CompassDisplay(headingFilterDeg: .nan), "headingFilterDeg"),
         ] {
             let model = CompassModel(compass: compass, display: display)
             await model.run()
@@ -188,21 +186,6 @@ import Testing
         #expect(plain.headingDeg == plain.reading?.reading.heading?.headingDeg)
         let smooth = await shown(CompassDisplay(smoothingHalfLifeS: 1))
         #expect(smooth.headingDeg != smooth.reading?.reading.heading?.headingDeg && smooth.headingDeg != nil)
-    }
-
-    @Test func littleChangesOfTheHeadingAreLeftOutWhenAskedFor() async throws {
-        let events = tumbling(600) + (600..<630).flatMap { flat($0) }
-        let model = CompassModel(
-            compass: Compass(source: Played(events: events, isLive: false)), display: CompassDisplay(headingFilterDeg: 5))
-        let shown = Shared<[Double]>([])
-        Self.follow({ model.headingDeg }) { heading in
-            if let heading { shown.change { $0.append(heading) } }
-        }
-        await model.run()
-        let steps = zip(shown.value, shown.value.dropFirst()).map { abs(($0 - $1).remainder(dividingBy: 360)) }
-        #expect(steps.count > 50 && steps.allSatisfy { $0 >= 5 }, "\(steps.min() ?? 0)")
-        let (heading, true_) = (try #require(model.headingDeg), try #require(model.reading?.reading.heading?.headingDeg))
-        #expect(abs((heading - true_).remainder(dividingBy: 360)) < 5)
     }
 
     @Test func saysWhatToDoWhileItCollects() async {

@@ -5,7 +5,7 @@ import Foundation
 import Testing
 
 /// When ``CoreMotionSource`` ends with an error, and with which.
-@Suite(.timeLimit(.minutes(2))) struct CoreMotionErrorTests: OverCoreMotion {
+@Suite(.longest) struct CoreMotionErrorTests: OverCoreMotion {
     let manager = CMMotionManager()
 
     @Test func errorsOfAnotherDomainAreNotCoreMotions() async throws {

@@ -5,7 +5,7 @@ import Foundation
 import Testing
 
 /// When the updates of a ``CoreMotionSource`` begin and end, and who gets their events.
-@Suite(.timeLimit(.minutes(2))) struct CoreMotionRunTests: OverCoreMotion {
+@Suite(.longest) struct CoreMotionRunTests: OverCoreMotion {
     let manager = CMMotionManager()
 
     @Test func updatesRunWhileIteratedAtTheRateAskedFor() async throws {

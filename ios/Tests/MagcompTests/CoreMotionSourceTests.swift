@@ -5,7 +5,7 @@ import Foundation
 import Testing
 
 /// What ``CoreMotionSource`` makes of the events of a stand-in of Core Motion.
-@Suite(.timeLimit(.minutes(2))) struct CoreMotionSourceTests: OverCoreMotion {
+@Suite(.longest) struct CoreMotionSourceTests: OverCoreMotion {
     let manager = CMMotionManager()
 
     @Test func signsAndUnitsInAttitudesComputedByHand() async throws {

@@ -4,7 +4,7 @@ import MagcompTestHooks
 import Testing
 import simd
 
-@testable import Magcomp
+@_spi(Research) @testable import Magcomp
 
 /// Small things that no other test looks at.
 @Suite struct EdgesTests {

@@ -1,5 +1,5 @@
 import Foundation
-import Magcomp
+@_spi(Research) import Magcomp
 import Testing
 
 /// The facts every language of the library agrees on, from the file Rust and Kotlin assert too.

@@ -118,15 +118,18 @@ import Testing
     }
 
     @Test func aReaderThatStopsAskingHoldsNobodyUp() async throws {
-        let compass = Compass(source: Played(events: tumbling(300), isLive: false), patienceS: 0.05, unixTimeS: { nowS })
+        let clock = StandingClock()
+        let compass = Compass(source: Played(events: tumbling(300), isLive: false), clock: clock)
         var idle = compass.readings(capacity: 4).makeAsyncIterator()
         #expect(try await idle.next()?.droppedBefore == 0)
         // alone it is waited for, however long
-        try await Task.sleep(for: .milliseconds(300))
+        for _ in 0..<6 { try await clock.turn(5) }
         #expect(try await idle.next()?.droppedBefore == 0)
         let seen = Shared<[CompensatedReading]>([])
         let other = reader(compass, seen)
+        let turning = Task { while true { try await clock.turn(5) } }
         try await other.value
+        turning.cancel()
         #expect(seen.value.count > 250 && seen.value.allSatisfy { $0.droppedBefore == 0 })
         // what was kept for it is the latest
         var last: [CompensatedReading] = []

@@ -5,7 +5,7 @@ import Foundation
 import Testing
 
 /// Device motion that is delivered later than the magnetometer, on two recordings; prints the table of errors.
-@Suite(.serialized, .timeLimit(.minutes(10))) struct LagTests {
+@Suite(.serialized, .longest) struct LagTests {
     /// A recording's rows as Core Motion has them, and the reference orientation, device to world, where it was seen.
     struct Recording {
         var rows: [CMMotionManager.Row] = []

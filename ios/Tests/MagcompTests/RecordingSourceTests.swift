@@ -1,5 +1,5 @@
 import Foundation
-@testable import Magcomp
+@_spi(Research) @testable import Magcomp
 import Testing
 
 @Suite struct RecordingSourceTests {
@@ -126,7 +126,7 @@ import Testing
     }
 
     /// Time goes on while it sleeps, and by a little at every look.
-    final class Clock: PlayingClock {
+    final class Clock: WaitingClock {
         let now = Shared<Int64>(5_000_000_000)
         let slept = Shared<[Int64]>([])
 

@@ -1,5 +1,5 @@
 import Foundation
-@testable import Magcomp
+@_spi(Research) @testable import Magcomp
 import MagcompTestHooks
 import Testing
 

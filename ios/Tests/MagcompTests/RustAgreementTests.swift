@@ -1,5 +1,5 @@
 import Foundation
-import Magcomp
+@_spi(Research) import Magcomp
 import Testing
 
 /// Rust's numbers, uniffi's and the C path's are the same, bit for bit; `examples/expected.rs` wrote Rust's, which Kotlin

@@ -1,5 +1,5 @@
 import Foundation
-@testable import Magcomp
+@_spi(Research) @testable import Magcomp
 import Testing
 
 /// A compass is closed and opened again, through its store: what it says while the phone lies still.

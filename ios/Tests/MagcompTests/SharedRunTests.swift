@@ -151,7 +151,7 @@ import Testing
     /// A tab that goes and comes.
     @Test func aScreenThatComesBackInTimeHasItsHeadingAtOnce() async throws {
         let (source, store) = (Live(), Slow())
-        var compass: Compass? = Compass(source: source, store: store, graceS: 1e6)
+        var compass: Compass? = Compass(source: source, store: store, graceS: 5)
         let seen = Shared<[CompensatedReading]>([])
         let first = reader(try #require(compass), seen)
         try await source.started(1)
@@ -183,7 +183,8 @@ import Testing
 
     @Test func whoComesBackInTimeReadsOnWhenItIsOver() async throws {
         let source = Live()
-        let compass = Compass(source: source, graceS: 0.3)
+        let clock = StandingClock()
+        let compass = Compass(source: source, graceS: 5, clock: clock)
         let leaving = reader(compass, Shared([]))
         try await source.started(1)
         source.play(flat(0))
@@ -191,18 +192,20 @@ import Testing
         try await leaving.value
         let seen = Shared<[CompensatedReading]>([])
         let staying = reader(compass, seen)
-        try await Task.sleep(for: .seconds(0.6))
-        // where it came too late it has a run of its own, which goes on as well
+        // the silence's watch waits too
+        try await clock.turn(5, for: 2)
+        try await clock.look(1)
         source.play(flat(1))
-        try await eventually { seen.value.count == 1 || source.state.value.ends == source.state.value.starts }
-        #expect(seen.value.count == 1)
+        try await eventually { seen.value.count == 1 || source.state.value.ends == 1 }
+        #expect(seen.value.count == 1 && source.state.value.starts == 1)
         staying.cancel()
         try await staying.value
     }
 
     @Test func sensorsStopWhenTheGraceTimeIsOverOrNobodyCanComeBack() async throws {
         let source = Live()
-        var compass: Compass? = Compass(source: source, graceS: 0.01)
+        let clock = StandingClock()
+        var compass: Compass? = Compass(source: source, graceS: 5, clock: clock)
         for run in 1...2 {
             let task = reader(try #require(compass), Shared([]))
             try await source.started(run)
@@ -210,10 +213,15 @@ import Testing
             try await eventually { compass?.latest != nil }
             task.cancel()
             try await task.value
+            // the silence's watch waits too
+            try await clock.turn(4.9, for: 2)
+            try await clock.turn(0.05, for: 2)
+            #expect(source.state.value.ends == run - 1 && compass?.latest != nil)
+            try await clock.turn(0.05, for: 2)
             try await eventually { source.state.value.ends == run }
             #expect(compass?.latest == nil)
         }
-        compass = Compass(source: source, graceS: 1e6)
+        compass = Compass(source: source, graceS: 5)
         let task = reader(try #require(compass), Shared([]))
         try await source.started(3)
         source.play(tumbling(1))

@@ -1,9 +1,9 @@
 import Foundation
-@testable import Magcomp
+@_spi(Research) @testable import Magcomp
 import Testing
 
 /// However many iterate a compass's readings, there is one estimator.
-@Suite(.timeLimit(.minutes(3))) struct SharingTests {
+@Suite(.longest) struct SharingTests {
     let events = tumbling(1500)
 
     @Test func severalConsumersGetTheReadingsOfOneEstimator() async throws {

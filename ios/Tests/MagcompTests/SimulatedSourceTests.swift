@@ -57,7 +57,7 @@ import Testing
     }
 
     @Test func everyIteratorGetsTheSameAtItsPace() async throws {
-        final class Clock: PlayingClock {
+        final class Clock: WaitingClock {
             let slept = Shared<[Int64]>([])
 
             var nowNs: Int64 { slept.value.reduce(0, +) }

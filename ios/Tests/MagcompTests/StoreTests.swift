@@ -1,9 +1,9 @@
 import Foundation
-@testable import Magcomp
+@_spi(Research) @testable import Magcomp
 import Testing
 
 /// A compass and its store: what is kept when, and who waits for it.
-@Suite(.timeLimit(.minutes(3))) struct StoreTests {
+@Suite(.longest) struct StoreTests {
     let events = tumbling(1500)
 
     /// As views come and go: the next run begins when the one before has saved, and loads nothing old.

@@ -1,5 +1,5 @@
 import Foundation
-@testable import Magcomp
+@_spi(Research) @testable import Magcomp
 import Testing
 
 let repository = URL(fileURLWithPath: #filePath)
@@ -72,36 +72,95 @@ func flat(_ k: Int) -> [SensorSample] {
 }
 
 // Tests look at what happens when the last reader leaves, so their compasses have no grace time but where they say so, and they may be
-// slow, so no source is silent but where they say so: of two that fit, the compiler takes the one without defaults.
+// slow, so a compass's clock stands: of two that fit, the compiler takes the one without defaults.
 extension Compass {
     convenience init(
         source: any MagneticFieldSource, config: CompensationConfig = CompensationConfig(),
-        store: (any CalibrationStore)? = nil, graceS: Double = 0, silenceS: Double
+        store: (any CalibrationStore)? = nil, graceS: Double = 0, clock: any WaitingClock
     ) {
         self.init(
-            source: source, config: config, store: store, graceS: graceS, silenceS: silenceS, unixTimeS: systemUnixTimeS)
+            source: source, config: config, store: store, graceS: graceS, clock: clock, unixTimeS: systemUnixTimeS)
     }
 
-    convenience init(source: any MagneticFieldSource) { self.init(source: source, silenceS: 1e6) }
+    convenience init(
+        source: any MagneticFieldSource, config: CompensationConfig = CompensationConfig(),
+        store: (any CalibrationStore)? = nil, unixTimeS: @escaping @Sendable () -> Int64
+    ) {
+        self.init(source: source, config: config, store: store, graceS: 0, clock: StandingClock(), unixTimeS: unixTimeS)
+    }
+
+    convenience init(source: any MagneticFieldSource) { self.init(source: source, clock: StandingClock()) }
 
     convenience init(source: any MagneticFieldSource, graceS: Double) {
-        self.init(source: source, graceS: graceS, silenceS: 1e6)
+        self.init(source: source, graceS: graceS, clock: StandingClock())
     }
 
     convenience init(source: any MagneticFieldSource, store: (any CalibrationStore)?) {
-        self.init(source: source, store: store, silenceS: 1e6)
+        self.init(source: source, store: store, clock: StandingClock())
     }
 
     convenience init(source: any MagneticFieldSource, store: (any CalibrationStore)?, graceS: Double) {
-        self.init(source: source, store: store, graceS: graceS, silenceS: 1e6)
+        self.init(source: source, store: store, graceS: graceS, clock: StandingClock())
     }
 
     convenience init(source: any MagneticFieldSource, config: CompensationConfig) {
-        self.init(source: source, config: config, silenceS: 1e6)
+        self.init(source: source, config: config, clock: StandingClock())
     }
 
     convenience init(source: any MagneticFieldSource, config: CompensationConfig, store: (any CalibrationStore)?) {
-        self.init(source: source, config: config, store: store, silenceS: 1e6)
+        self.init(source: source, config: config, store: store, clock: StandingClock())
+    }
+}
+
+/// A clock that stands until a test turns it.
+final class StandingClock: WaitingClock {
+    private struct State {
+        var nowNs: Int64 = 0
+        var number = 0
+        var waiting: [Int: (dueNs: Int64, wake: CheckedContinuation<Void, any Error>)] = [:]
+    }
+
+    private let state = Shared(State())
+
+    var nowNs: Int64 { state.value.nowNs }
+
+    /// How many wait.
+    var sleepers: Int { state.value.waiting.count }
+
+    func sleep(forNs ns: Int64) async throws {
+        let number = state.change { state in
+            state.number += 1
+            return state.number
+        }
+        try await withTaskCancellationHandler {
+            try await withCheckedThrowingContinuation { wake in
+                let isCancelled = state.change { state in
+                    if !Task.isCancelled { state.waiting[number] = (state.nowNs + ns, wake) }
+                    return Task.isCancelled
+                }
+                if isCancelled { wake.resume(throwing: CancellationError()) }
+            }
+        } onCancel: {
+            state.change { $0.waiting.removeValue(forKey: number) }?.wake.resume(throwing: CancellationError())
+        }
+    }
+
+    /// Goes on by so many seconds once so many wait, and wakes those whose time has come.
+    func turn(_ seconds: Double, for count: Int = 1) async throws {
+        try await eventually { sleepers >= count }
+        let woken = state.change { state in
+            state.nowNs += Int64(seconds * 1e9)
+            let due = state.waiting.filter { $0.value.dueNs <= state.nowNs }
+            for number in due.keys { state.waiting[number] = nil }
+            return due.values
+        }
+        for sleeper in woken { sleeper.wake.resume() }
+    }
+
+    /// Turns it by so many looks for silence, of half a second; each has come to nothing or was told when this returns.
+    func look(_ times: Int) async throws {
+        for _ in 0..<times { try await turn(0.5) }
+        try await eventually { sleepers == 1 }
     }
 }
 
@@ -136,8 +195,10 @@ extension AsyncSequence where Self: Sendable, Element == SensorSample {
         let events = (self as? SensorSamples) ?? SensorSamples { self }
         return CompensatedReadings {
             let frames = Locked(HeadingFrame(axis: config.heading?.axis ?? .auto, screenRotation: .deg0))
-            return Readers(of: { events }, by: Estimation(config, store: store, frames: frames), graceS: 0, silenceS: 1e6)
-                .place(capacity: capacity)
+            return Readers(
+                of: { events }, by: Estimation(config, store: store, frames: frames), graceS: 0, clock: StandingClock()
+            )
+            .place(capacity: capacity)
         }
     }
 }
@@ -146,9 +207,17 @@ extension Compensator {
     func pushAll(_ events: [SensorSample]) throws -> [MagneticReading] { try events.compactMap { try push($0) } }
 }
 
-/// Waits for what must happen; a test that waits in vain fails after half a minute.
+/// Seconds that a test waits for what must happen, far more than a busy machine takes: only a test that fails waits so long.
+let longestS = ProcessInfo.processInfo.environment["MAGCOMP_LONGEST_S"].flatMap(Double.init) ?? 120
+
+extension Trait where Self == TimeLimitTrait {
+    /// For suites where an error is awaited, which may never come.
+    static var longest: Self { .timeLimit(.minutes(10)) }
+}
+
+/// Waits for what must happen.
 func eventually(isolation: isolated (any Actor)? = #isolation, _ happens: () -> Bool) async throws {
-    let deadline = ContinuousClock.now + .seconds(120)
+    let deadline = ContinuousClock.now + .seconds(longestS)
     while !happens() {
         try #require(ContinuousClock.now < deadline, "it never happened")
         try await Task.sleep(for: .milliseconds(1))
@@ -164,7 +233,8 @@ final class Shared<Value: Sendable>: @unchecked Sendable {
 
     var value: Value { lock.withLock { stored } }
 
-    func change(_ body: (inout Value) -> Void) { lock.withLock { body(&stored) } }
+    @discardableResult
+    func change<T>(_ body: (inout Value) throws -> T) rethrows -> T { try lock.withLock { try body(&stored) } }
 }
 
 /// A live source that a test plays; every start is another run.
@@ -239,7 +309,7 @@ final class Gate: CalibrationStore {
 
     func pass() {
         entered.change { $0 += 1 }
-        let inTime = opened.wait(timeout: .now() + 20) == .success
+        let inTime = opened.wait(timeout: .now() + longestS) == .success
         opensInTime.change { $0.append(inTime) }
     }
 

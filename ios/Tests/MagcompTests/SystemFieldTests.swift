@@ -3,7 +3,7 @@ import Foundation
 import Testing
 
 /// The system's own field beside the raw one: a first hard iron, where there is no better.
-@Suite(.timeLimit(.minutes(3))) struct SystemFieldTests {
+@Suite(.longest) struct SystemFieldTests {
     /// A phone that lies flat, beside what the system makes of it: its hard iron is 2 uT off in every axis.
     func lying(_ accuracy: SystemFieldSample.Accuracy, samples: Int = 20) -> [SensorSample] {
         (1...samples).flatMap { k -> [SensorSample] in

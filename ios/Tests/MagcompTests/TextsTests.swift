@@ -16,8 +16,8 @@ struct TextsTests {
     func statuses(_ random: inout SystemRandomNumberGenerator) -> [CompensationStatus] {
         // never half way between two decimals
         func real() -> Double { .random(in: -3000...3000, using: &random) }
-        func whole() -> Int32 { .random(in: 0...10_000, using: &random) }
-        let axes = ([1, 2, 3] as [Int32]).shuffled(using: &random).map { Bool.random(using: &random) ? $0 : -$0 }
+        func whole() -> Int { .random(in: 0...10_000, using: &random) }
+        let axes = [1, 2, 3].shuffled(using: &random).map { (axis: Int) in Bool.random(using: &random) ? axis : -axis }
         let problems: [FitProblem] = [
             .tooFewSamples(have: whole()), .planar(thicknessUt: real()),
             .poorCoverage(directionSigmaDeg: real(), limitDeg: real()),
@@ -48,7 +48,7 @@ struct TextsTests {
     }
 
     /// An app may make or decode what the core never says.
-    @Test(arguments: [0, 4, -4, .max, .min] as [Int32]) func numbersThatAreNoneHaveATextToo(number: Int32) throws {
+    @Test(arguments: [0, 4, -4, .max, .min]) func numbersThatAreNoneHaveATextToo(number: Int) throws {
         let whole: [CompensationStatus] = [
             .rejected(reason: .axes(x: number, y: -1, z: 2)), .rejected(reason: .stuck(repeats: number)),
             .rejected(reason: .timeNotAfter(timeNs: Int64(number), latestNs: .min)),
@@ -72,7 +72,8 @@ struct TextsTests {
             #expect(status.localizedText.count > 10)
             _ = status.localizedGuidance
         }
-        #expect(whole[0].localizedText.contains(",-x,y "))
+        let nearest = number == 0 ? "x" : number < 0 ? "-z" : "z"
+        #expect(whole[0].localizedText.contains(" \(nearest),-x,y "))
         let decoded = try JSONDecoder().decode(CompensationStatus.self, from: JSONEncoder().encode(whole[0]))
         #expect(decoded.localizedText == whole[0].localizedText)
         for sinceNs in [Int64.min, 0, .max] {
