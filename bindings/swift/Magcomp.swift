@@ -3337,10 +3337,10 @@ fileprivate func FfiConverterTypeUpSample_lower(_ value: UpSample) -> RustBuffer
     // declare one manually.
     @_spi(Research) public init(
         /**
-         * N_min, samples, 9 to N_max: the shortest window. Default 100.
+         * N_min, samples, 9 to N_max: the shortest window, and what sigma_T looks at. Default 100; smaller follows changes sooner with more noise.
          */nMin: Int? = nil,
         /**
-         * N_max, samples, at most 100 000: the longest window. Default 2000.
+         * N_max, samples, at most 100 000: the longest window. Default 2000; larger is steadier under poor motion and slower to forget.
          */nMax: Int? = nil,
         /**
          * sigma_th, dimensionless, 0 to 10: below it nothing is updated. Default 0.1.
