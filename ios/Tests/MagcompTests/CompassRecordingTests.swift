@@ -191,6 +191,20 @@ private struct Seen: Equatable {
         #expect(recording.urls == [url])
     }
 
+    @Test func aRecordingThatBeginsLaterHasWhatWasLearned() async throws {
+        let (source, seen, url) = (Sleeping(), Shared<[CompensatedReading]>([]), file())
+        let compass = Compass(source: source)
+        try await run(compass, source, seen) {
+            try await play(phone(900, .uncalibrated), source, seen)
+            let recording = try compass.record(to: url)
+            try await play(phone(2, from: 900, .uncalibrated), source, seen)
+            try recording.close()
+        }
+        let again = try await played(url)
+        #expect(again.map(\.sample) == seen.value.suffix(2).map(\.sample))
+        #expect(again.allSatisfy { $0.reading.fieldUt != nil })
+    }
+
     /// Late events, two of one time, a sample's own hard iron, any number: they go out as they came.
     @Test func eventsArePlayedInTheirOrderWithAllTheirBits() async throws {
         let v = DeviceVector(x: 0.1, y: -1e-7, z: 1e300)

@@ -6,6 +6,19 @@ import Testing
 @Suite struct SecondLaunchTests {
     let store = SavingTests.Kept()
 
+    @Test func aTextOfUnknownAgeIsLessSureThanOneFromNow() throws {
+        let learned = try Compensator()
+        _ = try learned.pushAll(tumbling(900))
+        let now = systemUnixTimeS()
+        let text = try #require(try learned.keep(unixTimeS: now))
+        let sigmas = try [now, nil].map { unixTimeS in
+            let next = try Compensator()
+            try next.adoptKept(text, unixTimeS: unixTimeS)
+            return try #require(try next.pushAll(tumbling(1)).last?.fieldSigmaUt)
+        }
+        #expect(sigmas[1] > sigmas[0], "\(sigmas)")
+    }
+
     @Test func headingsErrAsTheirSigmaSaysWhateverHappenedToThePhoneMeanwhile() async throws {
         let learned = try await learn()
         let cover = DeviceVector(x: 150, y: -100, z: 300)
