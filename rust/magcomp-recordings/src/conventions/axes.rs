@@ -141,6 +141,11 @@ impl Askew {
         self.sigma_deg < KNOWN_DEG
     }
 
+    /// Whether it is turned by no more than phones are. What is more, and not certain, is neither proven nor sound.
+    pub fn is_sound(&self) -> bool {
+        self.is_known() && self.deg.abs() <= LEAST_ASKEW_DEG
+    }
+
     /// How far it may be turned, degrees.
     pub fn within_deg(&self) -> f64 {
         self.deg.abs() + 2.0 * self.sigma_deg

@@ -63,7 +63,7 @@ impl Seen<'_> {
             question(
                 ASKEW,
                 &["field_askew"],
-                self.askew.is_some_and(|askew| askew.is_known()) && proven(self.field),
+                self.askew.is_some_and(|askew| askew.is_sound()) && proven(self.field),
                 &askew,
                 &needs(no_rate, "gyroscope", TILT),
             ),
