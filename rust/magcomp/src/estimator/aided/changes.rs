@@ -106,6 +106,8 @@ impl Changes {
         let mut trial = Trial::start(running, &running.filter, former, tuning);
         (trial.began, trial.hold_s) = (began, self.bursts.hold_s(tuning));
         self.bursts.begin();
+        // its copies are of a filter that the hypotheses may refute
+        self.quarantine = Quarantine::default();
         if let Phase::Running(running) = phase.take() {
             *phase = Phase::Undecided(running, trial);
         }
