@@ -105,7 +105,9 @@ impl Changes {
         let former = self.former.as_ref().filter(|_| began != Began::Pause);
         let mut trial = Trial::start(running, &running.filter, former, tuning);
         (trial.began, trial.hold_s) = (began, self.bursts.hold_s(tuning));
-        self.bursts.begin();
+        if began != Began::Pause {
+            self.bursts.begin();
+        }
         // its copies are of a filter that the hypotheses may refute
         self.quarantine = Quarantine::default();
         if let Phase::Running(running) = phase.take() {
@@ -134,8 +136,9 @@ impl Changes {
                 return;
             }
             Verdict::Neither => {
-                self.bursts.begin();
+                // what did not fit so far was the place's doing; what does not from here on is open
                 self.bursts.was_the_place();
+                self.bursts.begin();
                 trial.hold_s = self.bursts.hold_s(tuning);
             }
             Verdict::Open => {}
