@@ -1,11 +1,14 @@
 //! While samples do not fit: the hypotheses begin, run, and end.
 //!
 //! ```text
-//! device     the filter goes on as `device`, on `probation`; told, if b moved by half of the least step
+//! device     the filter goes on as `device`, on `probation`; told, if b moved by half of the least step, after a pause by all of it
 //! place      told; the filter stays as it was, for 30 s or until the samples fit it again
 //! new place  the filter goes on as `place`, and the Earth's field is carried beside it
+//! unchanged  after a pause: the filter goes on as `place`, nothing is told
+//! neither    both hypotheses start anew
 //! ```
-//! Source: docs/dev/METHOD-AIDED.md, Changes.
+//! A trial ends where `device`, a new place or unchanged wins, where the Earth's field that is carried is found again, and where the filter as it was fits again
+//! (not after a pause). The chain of rotations ends it too (`start`), and a filter that is not finite (`learn`). Source: docs/dev/METHOD-AIDED.md, Changes.
 
 use super::bursts::Bursts;
 use super::earth::Earth;
@@ -33,7 +36,7 @@ pub(super) struct Changes {
     pub(super) probation: Option<Probation>,
     bursts: Bursts,
     /// Of the filter, empty while there is none or the hypotheses run.
-    quarantine: Quarantine,
+    pub(super) quarantine: Quarantine,
 }
 
 impl Changes {
@@ -42,7 +45,7 @@ impl Changes {
         (self.quarantine, self.probation) = (Quarantine::default(), None);
     }
 
-    /// The chain of rotations is broken after the sample of then: nothing more will be seen of a change on probation.
+    /// The chain of rotations broke before this sample: no later one can test a change on probation, so it is told now.
     pub(super) fn break_chain(&mut self, phase: &Phase, latest_ns: Option<i64>, tuning: &Tuning) {
         if let Some(time_ns) = latest_ns {
             self.confirm(phase, time_ns, tuning);
@@ -50,9 +53,9 @@ impl Changes {
         self.quarantine = Quarantine::default();
     }
 
-    /// The device turned, before anything is believed of the frame.
+    /// Predicts the kept filters over a frame; a change whose probation ends is told.
     pub(super) fn turn(&mut self, phase: &Phase, step: &FrameStep, tuning: &Tuning) {
-        if self.probation.as_mut().is_some_and(|it| it.step(step, tuning)) && phase.trial().is_none() {
+        if self.probation.as_mut().is_some_and(|it| it.step(step, tuning)) {
             self.confirm(phase, step.time_ns, tuning);
         }
         self.quarantine.turn(step);

@@ -33,8 +33,8 @@ impl Aided {
             Phase::Running(_) | Phase::Undecided(..) => self.learn(step),
         }
         if let Some(running) = self.phase.running_mut() {
-            // after the first sample of a new chain of rotations: the field is as strong as it was before
-            if let Some(strength_ut) = running.lost_strength_ut.take() {
+            // the first sample of a new chain of rotations has told where the field points; it is as strong as it was before
+            if let Some(strength_ut) = running.lost_strength_ut.take_if(|_| !step.is_blank) {
                 running.filter.update_strength(strength_ut, self.tuning.adopt_sd_ut.powi(2));
             }
             if !running.filter.is_finite() {
@@ -160,7 +160,7 @@ impl Aided {
         self.adaptation.mean.step(raw_ut, &x, &turn.rotation, step.dt_s, memory_s, &self.tuning);
     }
 
-    /// The innovation of a frame, and whether it is none that the filter expects. `None` where it cannot be formed.
+    /// The innovation of a frame, and whether the gate refuses it. `None` where it cannot be formed.
     fn test(&mut self, step: &FrameStep, is_open: bool) -> Option<(Innovation, bool)> {
         let running = self.phase.running_mut()?;
         let filter = &mut running.filter;

@@ -111,7 +111,7 @@ impl Aided {
         Calibration::new(filter.parts().soft_iron() * self.scale(filter), filter.part(HARD_IRON), strength_ut).ok()
     }
 
-    /// |m|, uT.
+    /// Strength of the Earth's field in the filter's gauge, at least 1 uT; that from before, where the chain of rotations broke.
     fn strength_of(&self, filter: &Filter) -> f64 {
         // where the field points is lost: m is but the latest sample
         self.phase.lost_strength_ut().unwrap_or_else(|| self.earth_ut(filter).mean.norm()).max(1.0)

@@ -3,6 +3,7 @@
 //! ```text
 //! Starting  --the samples alone know b-->  Running  --samples do not fit, or a pause-->  Undecided
 //! Running   <--decided, or it was nothing--  Undecided
+//! Running   <--the chain of rotations breaks--  Undecided
 //! Starting  <--a long gap, a state that is not finite--  Running, Undecided
 //! ```
 
@@ -20,7 +21,7 @@ pub(super) enum Phase {
     Starting(FirstFit),
     /// The filter follows the samples.
     Running(Running),
-    /// Samples do not fit the filter, which stays as it was while the hypotheses run.
+    /// Samples do not fit the filter, which is predicted, and learns its bias at rest, while the hypotheses run.
     Undecided(Running, Trial),
 }
 

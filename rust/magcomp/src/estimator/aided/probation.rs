@@ -4,7 +4,7 @@
 //! ```text
 //! the filter as it was is predicted beside the new one for 1.5 s of motion
 //! samples stop fitting the new one:  back to it, the change was the place's        they go on:  the change is told
-//! a change that follows one within 5 s, b moving on the same way, is that one: a slide is told once
+//! a change that follows one within 5 s, in which b moves on in the same direction, belongs to it: a slide is told once
 //! ```
 //! Source: docs/dev/METHOD-AIDED.md, Changes.
 
@@ -22,14 +22,13 @@ pub(super) struct Probation {
     filter: Filter,
     event: Option<Event>,
     since_ns: i64,
-    has_earth: bool,
     /// Seconds of motion.
     age_s: f64,
 }
 
 impl Probation {
     pub(super) fn new(before: &Running, event: Option<Event>, since_ns: i64) -> Self {
-        Self { filter: before.filter.clone(), event, since_ns, has_earth: before.earth.is_some(), age_s: 0.0 }
+        Self { filter: before.filter.clone(), event, since_ns, age_s: 0.0 }
     }
 
     /// One frame; whether the change has held.
@@ -48,10 +47,9 @@ impl Probation {
     pub(super) fn take_back(self, running: &mut Running) {
         running.filter = self.filter;
         running.watch.since_ns = self.since_ns;
-        running.earth.take_if(|_| !self.has_earth);
     }
 
-    /// It has held: how b moved, and the event, if it is worth one and does not go on with the change that was told before.
+    /// The change has held. Returns how b moved, and the event unless the change goes on with the one told before; `None` where b moved too little.
     pub(super) fn held(&self, now: &Filter, before: Option<Told>, decided_ns: i64) -> Option<(Told, Option<Event>)> {
         let event = self.event?;
         let moved = now.part(HARD_IRON) - self.filter.part(HARD_IRON);

@@ -21,6 +21,7 @@ impl Aided {
     /// Forgets the calibration, but for what is `given`; what is learned of the noise stays.
     pub(super) fn begin(&mut self, given: Option<Before>) {
         self.changes.start();
+        (self.frame, self.covariances) = (Frame::default(), None);
         self.phase = Phase::Starting(FirstFit::new(given, self.known_ut, &self.tuning));
     }
 

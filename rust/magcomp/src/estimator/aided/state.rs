@@ -10,7 +10,9 @@
 //! d    local deviation of the field (rooms are not uniform), device frame, uT
 //! ```
 //!
-//! raw = M h + b leaves the scale between M and |h| free, so E is held traceless. Source: docs/dev/METHOD-AIDED.md.
+//! raw = M h + b leaves the scale between M and |h| free, so E is held traceless. P is made by a start (`first_fit`). It changes in `propagate`, in `measure`, in
+//! `running` (a lost field, a long pause) and in the copies of a trial (`events`; `watch` puts a former calibration into one); `changes`, `probation` and
+//! `quarantine` only exchange whole filters. Source: docs/dev/METHOD-AIDED.md.
 
 use core::ops::Range;
 #[cfg(not(feature = "std"))]
