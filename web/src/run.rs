@@ -1,14 +1,14 @@
 //! One replay, a chunk of rows at a time, so that the page can show how far it is.
 
 use magcomp::{Config, HeadingConfig, ReferenceAxis};
-use magcomp_replay::{
-    Gathering, Ignore, Known, Player, calibration_json, session_table, usual_part, write_header, write_row,
-};
-use magcomp_replay::report::quoted;
 use magcomp_recordings::conventions::{Conventions, Finding};
 use magcomp_recordings::import::{ImportOptions, Opened, open_bytes};
 use magcomp_recordings::place::{Day, EarthField, GeoPoint, earth_field};
 use magcomp_recordings::recording::{Rows, Source, name_of};
+use magcomp_replay::report::quoted;
+use magcomp_replay::{
+    Gathering, Ignore, Known, Player, calibration_json, session_table, usual_part, write_header, write_row,
+};
 use serde::{Deserialize, Serialize};
 
 /// Rows of a chunk: some tens of milliseconds.
