@@ -1,4 +1,5 @@
-//! What an estimator says of a sample. It is finished: the compensator adds heading and attitude, and changes nothing.
+//! What an estimator says of a sample. `figures` adds the figures of merit; where headings come from outside, `north` turns f and says so in `north`; the
+//! compensator then adds heading and attitude.
 
 use crate::calibration::{Calibration, Given, independent};
 use crate::priors::{DAYS_UT, IRON_PER_UT, SETTLED_S};
@@ -11,8 +12,8 @@ use nalgebra::{Matrix3, SMatrix, Vector3};
 /// A change of the device that moves b by less is no event, uT: from day to day b moves as far.
 pub(crate) const LEAST_TOLD_UT: f64 = 2.0 * DAYS_UT;
 
-/// The latest change of the device that was told, or that went on with one: since when it is told, when it was decided, and how b moved, in the
-/// estimator's units.
+/// The latest change of the device that was told, or that went on with one: its first onset, when its latest part was decided, and how far b moved then, in
+/// the estimator's units.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Told {
     pub since_ns: i64,
@@ -78,7 +79,7 @@ pub(crate) struct KnownNorth {
     pub tilt_rad2: f64,
 }
 
-/// What the directions that were seen are counted over.
+/// Which samples the coverage counts, and through which calibration it sees them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Counted<'a> {
     /// They are seen through this, once there is one.

@@ -1,4 +1,5 @@
-//! Gyroscope, gravity and field as witnesses of each other's turns. Two that agree convict the third; one alone convicts nobody, and each sample asks anew.
+//! Gyroscope, gravity and field as witnesses of each other's turns. Two that agree convict the third; one alone convicts nobody but a
+//! gyroscope whose axis repeats its reading while all else moves. Each sample asks anew.
 //!
 //! ```text
 //! gravity does not turn with the gyroscope (`axes`), nor does the field (`turning`)     the gyroscope is contradicted

@@ -184,7 +184,7 @@ impl Changes {
         is_new || is_back
     }
 
-    /// A change that is on probation has held, or nothing more will be seen of it: it is told.
+    /// A change that is on probation has held, or nothing more will be seen of it: the change is told.
     pub(super) fn confirm(&mut self, phase: &Phase, time_ns: i64, tuning: &Tuning) {
         let Some(probation) = self.probation.take() else { return };
         self.bursts.was_the_device();

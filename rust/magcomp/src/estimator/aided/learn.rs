@@ -1,7 +1,8 @@
-//! One sample with a known rotation: the field turns, and once a frame of them is full: predict, gate, rest, hypotheses or update, adopt.
+//! One sample with a known rotation. The gyroscope turns the field at every sample. When a frame is full the filter predicts, tests the innovation,
+//! then compares hypotheses or updates, and learns the noise.
 //!
 //! ```text
-//! v = raw - h(x);  gated when v^T S^-1 v > 16, or |d|^2 > 16 max(U_q, 2 uT)^2        U_q: the quick half of U (`adapt`)
+//! v = raw - h(x);  gated when v^T S^-1 v > 16, or |d|^2 > 16 max(U_q, 2 uT)^2        U_q^2: what the quick mean leaves, the first part of U^2 (`adapt`)
 //! at rest: no magnetometer update, the rate measures the bias
 //! undecided or disturbed: the calibration holds, the hypotheses run
 //! else update, unless gated; learn the noises

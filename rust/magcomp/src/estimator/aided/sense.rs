@@ -109,7 +109,7 @@ impl Senses {
         }
     }
 
-    /// Mean reading of the gyroscope over the latest `delay_s`, rad/s; `None` where the sample is not late.
+    /// Mean reading of the gyroscope over the latest `delay_s`, rad/s; `None` where the sample is not late, or this is switched off.
     pub(super) fn mean_rad_s(&self, delay_s: f64, tuning: &Tuning) -> Option<Vector3<f64>> {
         self.recent.mean_rad_s(delay_s).filter(|_| tuning.recent)
     }
