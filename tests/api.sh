@@ -10,7 +10,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 rust() {
-    need_cargo api cargo-public-api@0.52.0
+    need_cargo api cargo-public-api@0.52.0 >&2
     rustup which --toolchain nightly rustdoc >/dev/null 2>&1 || { echo "api: missing: Rust's nightly: rustup toolchain install nightly" >&2; exit 1; }
     # as others take the crate: without `exhaustive`
     cargo +nightly public-api --package magcomp --target-dir "$target/api" -ss

@@ -174,3 +174,9 @@ fn a_calibration_that_was_learned_at_an_unknown_time_is_of_any_age() {
     assert_eq!(age_s(&KeptCalibration::given(calibration(), 3.0).unwrap(), Some(5)), 0.0);
     assert_eq!([age_s(&learned(None), Some(1007)), age_s(&learned(None), Some(999))], [7.0, f64::INFINITY]);
 }
+
+/// The sigma that the table of settings has where none is told is what b moves from day to day.
+#[test]
+fn what_is_given_without_a_sigma_is_as_sure_as_the_days_are() {
+    assert_eq!(crate::config::Config::default().initial_sigma_ut, DAYS_UT);
+}

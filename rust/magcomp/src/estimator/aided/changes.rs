@@ -34,7 +34,7 @@ pub(super) struct Changes {
     /// The calibration from before it.
     pub(super) former: Option<Former>,
     pub(super) probation: Option<Probation>,
-    bursts: Bursts,
+    pub(super) bursts: Bursts,
     /// Of the filter, empty while there is none or the hypotheses run.
     pub(super) quarantine: Quarantine,
 }

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::super::events::Began;
 use super::super::propagate::ProcessNoise;
 use super::super::state::Filter;
 use super::super::{Aided, Tuning};
@@ -94,9 +95,7 @@ fn rest_proves_nothing() {
 #[test]
 fn a_chain_of_turns_that_breaks_ends_it() {
     let (mut world, mut aided) = on_probation(72);
-    let mut sample = world.sample(0.01);
-    sample.inertial.rotation = None;
-    aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+    break_chain(&mut world, &mut aided);
     assert_eq!(aided.changes.event.map(|it| it.kind), Some(EventKind::DeviceStep));
     assert!(aided.changes.probation.is_none());
 }
@@ -117,9 +116,15 @@ fn a_calibration_that_is_given_ends_it() {
 #[test]
 fn a_filter_that_is_not_finite_ends_it() {
     let (mut world, mut aided) = on_probation(70);
+    // in the middle of a frame
+    while !aided.frame.is_empty() {
+        run(&mut world, &mut aided, 1);
+    }
+    run(&mut world, &mut aided, 1);
     aided.phase.running_mut().unwrap().filter.mean[0] = f64::NAN;
     run(&mut world, &mut aided, 1);
     assert!(aided.changes.probation.is_none() && aided.phase.running().is_none());
+    assert!(aided.frame.is_empty() && aided.covariances.is_none(), "a start has no frame of before");
     run(&mut world, &mut aided, 1_500);
     assert!(off_ut(&world, &aided) < 2.0, "{}", off_ut(&world, &aided));
 }
@@ -140,5 +145,61 @@ fn a_slide_is_told_once_and_its_end_is_another_change() {
         assert!(off_ut(&world, &aided) < 2.0, "{seed}: {}", off_ut(&world, &aided));
         world.hard_iron_ut -= slid_ut;
         assert_eq!(run(&mut world, &mut aided, 800).len(), 1, "{seed}");
+    }
+}
+
+/// The sensors pause: the turn alone was unknown, so no change has to hold for longer afterwards.
+#[test]
+fn a_pause_is_no_burst() {
+    for seed in 70..74 {
+        let (mut world, mut aided) = settled(seed);
+        assert_eq!(aided.changes.bursts.hold_s(&aided.tuning), 0.0, "{seed}");
+        break_chain(&mut world, &mut aided);
+        run(&mut world, &mut aided, 1);
+        assert!(aided.phase.trial().is_some_and(|it| it.began == Began::Pause), "{seed}");
+        run(&mut world, &mut aided, 500);
+        assert!(aided.phase.trial().is_none(), "{seed}");
+        assert_eq!(aided.changes.bursts.hold_s(&aided.tuning), 0.0, "{seed}");
+    }
+}
+
+/// The first samples after a pause say nothing of the field: both hypotheses are tried by the first that does.
+#[test]
+fn blank_samples_after_a_pause_tell_no_direction() {
+    let (mut world, mut aided) = settled(74);
+    break_chain(&mut world, &mut aided);
+    for _ in 0..5 {
+        let sample = world.sample(0.01);
+        aided.carry(sample.time_ns, &sample.inertial);
+        assert!(aided.phase.trial().is_none() && aided.phase.lost_strength_ut().is_some());
+    }
+    run(&mut world, &mut aided, 1);
+    assert!(aided.phase.trial().is_some_and(|it| it.began == Began::Pause) && aided.phase.lost_strength_ut().is_none());
+}
+
+fn break_chain(world: &mut World, aided: &mut Aided) {
+    let mut sample = world.sample(0.01);
+    sample.inertial.rotation = None;
+    aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+}
+
+/// Magnet after magnet before the first is decided, so that the hypotheses begin anew: what does not fit now is not yet the place's doing.
+#[test]
+fn a_misfit_that_begins_anew_is_open() {
+    for seed in 70..74 {
+        let (mut world, mut aided) = settled(seed);
+        for k in 0..600 {
+            if k % 20 == 0 && k < 100 {
+                world.hard_iron_ut += MAGNET_UT;
+            }
+            run(&mut world, &mut aided, 1);
+            let bursts = aided.changes.bursts;
+            let mut of_device = bursts;
+            of_device.was_the_device();
+            let is_compared = aided.phase.trial().is_some_and(|it| !it.is_place());
+            let [ours, others] = [bursts, of_device].map(|it| it.hold_s(&aided.tuning));
+            assert!(!is_compared || others < ours, "{seed}: {others} {ours} s");
+        }
+        assert!(aided.phase.trial().is_none() && off_ut(&world, &aided) < 2.0, "{seed}");
     }
 }
