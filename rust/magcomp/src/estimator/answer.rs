@@ -24,7 +24,7 @@ pub(crate) struct Told {
 impl Told {
     /// Whether a change from `onset_ns` on, by which b moved so, goes on with this one: a magnet that slides on is one change, told once.
     pub fn goes_on(&self, onset_ns: i64, moved: &Vector3<f64>) -> bool {
-        seconds(self.decided_ns, onset_ns) < SETTLED_S && self.moved.dot(moved) > 0.0
+        seconds(self.decided_ns, onset_ns) < SETTLED_S && self.moved.dot(moved) >= 0.0
     }
 }
 

@@ -5,7 +5,7 @@
 #[cfg(test)]
 mod tests;
 
-use super::filter::{Filter, Kind, Leap, Size};
+use super::filter::{Filter, Kind, Leap, Motion, Size};
 use super::frame::{FRAMES, Frame, Frames, Noise};
 use super::parameters::{COUNT, Gaussian, LEAST_VARIANCE, NOTHING, Tau, TauMatrix, centre, shape, tau_of};
 use super::state::State;
@@ -26,8 +26,8 @@ use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// Choice: hypotheses that are kept.
 const KEPT: usize = 18;
-/// Mathematics: places for those that one frame brings: six cold ones, eight changes, a former one, a fork and a twin.
-const BROUGHT: usize = 17;
+/// Mathematics: places for those that one frame brings: six cold ones, eight changes, a former one, two forks and a twin.
+const BROUGHT: usize = 18;
 /// Places of hypotheses, which are large and stay where they are.
 type Places = ArrayVec<usize, { KEPT + BROUGHT }>;
 /// Choice: frames that hypotheses may run through again with one frame: three of the longest.
@@ -179,13 +179,13 @@ impl Bank {
             filter.add(&frame, tuning, self.unit_ut);
         }
         self.settle(tuning);
-        self.prune();
+        self.prune(tuning);
     }
 
     /// Changes that begin with this frame. One that surprises may be of any kind; without surprise a change is a small one, and sudden.
     fn spawn(&mut self, place: usize, frame: &Frame, surprised: bool, seconds: f64, tuning: &Tuning) {
         let parent = &self.all[place];
-        let (moves, likely) = (parent.moves, parent.log_joint());
+        let likely = parent.log_joint();
         let log = |per_h: f64| likely + ln(per_h * seconds / 3600.0);
         let mut parent = Parent { id: parent.id, known: parent.now.known(), state: parent.now.clone() };
         parent.state.odd = 0;
@@ -207,12 +207,24 @@ impl Bank {
             child.id = of_device;
             self.all.push(child);
         }
-        // b may move, or rest
-        let is_rival = |it: &Filter| it.moves != moves && it.log_joint() > likely - 9.0;
-        if tuning.moves && !self.all.iter().any(is_rival) {
-            let rates = (!moves).then(|| tuning.rates(self.unit_ut));
-            let fork = self.all[place].fork(rates, self.frames.next, log(tuning.devices_per_h));
-            self.keep(|_, it| it.moves == moves);
+        self.spawn_motions(place, &parent, frame, of_device, log_device + LN_2, tuning);
+    }
+
+    /// b that rests may drift or slide from here on, where that is not tried already. A slide is a change of its own.
+    fn spawn_motions(&mut self, place: usize, parent: &Parent, frame: &Frame, id: u32, log: f64, tuning: &Tuning) {
+        let best = &self.all[place];
+        if !tuning.moves || best.motion != Motion::Rests {
+            return;
+        }
+        let (number, likely) = (self.frames.next, best.log_joint());
+        let slide = parent.child(Kind::Device, parent.state.clone(), parent.known.mean, number, frame.time_ns);
+        for (motion, from, id) in [(Motion::Drifts, best.clone(), best.id), (Motion::Slides, slide, id)] {
+            if self.all.iter().any(|it| it.motion == motion && it.log_joint() > likely - 9.0) {
+                continue;
+            }
+            let mut fork = from.fork(motion, number, log, tuning, self.unit_ut);
+            fork.id = id;
+            self.keep(|_, it| it.motion != motion);
             self.all.push(fork);
         }
     }
@@ -305,7 +317,7 @@ impl Bank {
         }
     }
 
-    fn prune(&mut self) {
+    fn prune(&mut self, tuning: &Tuning) {
         let order = self.order();
         let Some(top) = order.first().map(|k| self.all[*k].log_joint()) else { return };
         let latest = self.frames.next;
@@ -325,7 +337,8 @@ impl Bank {
         let Some(place) = self.best_place() else { return };
         let best = &mut self.all[place];
         best.estimate_error();
-        if best.is_known()
+        if best.error < tuning.publish_deg.to_radians().powi(2)
+            && best.motion != Motion::Slides
             && let Some(former) = best.former.take()
         {
             self.former = Some(former);

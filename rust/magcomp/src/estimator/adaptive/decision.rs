@@ -1,11 +1,11 @@
 //! What is told of changes.
 
 use super::bank::Bank;
-use super::filter::{Filter, Kind};
+use super::filter::{Filter, Kind, Motion};
 use super::parameters::{Tau, beyond_earth, centre};
 use super::tuning::Tuning;
 use crate::estimator::answer::{LEAST_TOLD_UT, Told};
-use crate::priors::RARE;
+use crate::priors::{RARE, SETTLED_S};
 use crate::reading::{Event, EventKind, ModelOrder};
 use crate::sample::seconds;
 #[cfg(not(feature = "std"))]
@@ -46,6 +46,12 @@ impl Decision {
         if self.change.is_some_and(same) {
             self.id = best.id;
         }
+        // until b rests, a magnet that slides on may as well be iron that the device is carried past
+        let slides = best.motion == Motion::Slides;
+        if let Some(told) = self.moved.as_mut().filter(|it| slides && seconds(it.decided_ns, time_ns) < SETTLED_S) {
+            // what was told goes on, whichever way
+            (told.decided_ns, told.moved) = (time_ns, Vector3::zeros());
+        }
         let matters = !best.is_known() || moved(&best.now.tau());
         self.suspected_ns =
             if best.id != self.id && matters { Some(best.onset_ns) } else { (best.now.odd > 0).then_some(time_ns) };
@@ -55,7 +61,8 @@ impl Decision {
             return;
         }
         let is_of_it = |h: &Filter| h.onset_ns >= began_ns(best.onset_ns) && h.id != self.id;
-        if seconds(best.onset_ns, time_ns) >= tuning.change_s
+        if !slides
+            && seconds(best.onset_ns, time_ns) >= tuning.change_s
             && best.is_shown(tuning)
             && bank.probability(is_of_it) >= 1.0 - RARE
         {

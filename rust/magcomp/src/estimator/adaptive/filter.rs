@@ -6,14 +6,14 @@
 mod tests;
 
 use super::frame::{Frame, Frames};
-use super::parameters::{BESIDE, Gaussian, Numbers, Tau, beyond_earth, is_bounded, see};
+use super::parameters::{BESIDE, Gaussian, Numbers, Tau, beyond_earth, centre, is_bounded, see};
 use super::rate::Rate;
 use super::state::{State, Way};
 use super::tuning::Tuning;
 use crate::math::elementary::ln;
 use crate::math::ldl::Ldl;
 use crate::noise::Process;
-use crate::priors::IRON_PER_UT;
+use crate::priors::{IRON_PER_UT, SETTLED_S};
 use crate::sample::seconds;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField as _;
@@ -47,6 +47,29 @@ pub(super) enum Size {
     Magnet,
 }
 
+/// What b does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub(super) enum Motion {
+    #[default]
+    Rests,
+    /// A battery charges.
+    Drifts,
+    /// A magnet is pushed on.
+    Slides,
+}
+
+impl Motion {
+    /// How fast b moves, where it does: units a second.
+    pub fn rates(self, tuning: &Tuning, unit_ut: f64) -> Option<Process> {
+        let rate_ut_s = match self {
+            Self::Rests => return None,
+            Self::Drifts => tuning.drift_ut_s,
+            Self::Slides => tuning.slide_ut_s,
+        };
+        Some(Process { size: rate_ut_s / unit_ut, lasts_s: SETTLED_S })
+    }
+}
+
 /// A large change of the device, before it is done: b changes by what the field does meanwhile, but for what the device turns.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Leap {
@@ -67,7 +90,7 @@ pub(super) struct Filter {
     pub id: u32,
     pub parent: u32,
     pub size: Size,
-    pub moves: bool,
+    pub motion: Motion,
     /// The change takes a while.
     pub takes_time: bool,
     pub onset_ns: i64,
@@ -102,12 +125,12 @@ impl Filter {
         Self { kind, onset_ns, begun, base, first, lin, now, error: f64::MAX, fixed, ..Self::default() }
     }
 
-    /// The same from this frame on, but b moves as these rates do, or rests.
-    pub fn fork(&self, rates: Option<Process>, number: u64, log: f64) -> Self {
+    /// The same from this frame on, but b moves so.
+    pub fn fork(&self, motion: Motion, number: u64, log: f64, tuning: &Tuning, unit_ut: f64) -> Self {
         let mut base = self.now.clone();
-        (base.log, base.rate) = (log, rates.map_or_else(Rate::default, Rate::new));
+        (base.log, base.rate) = (log, motion.rates(tuning, unit_ut).map_or_else(Rate::default, Rate::new));
         Self {
-            moves: rates.is_some(),
+            motion,
             now: base.clone(),
             fixed: base.fixed(),
             base,
@@ -116,6 +139,12 @@ impl Filter {
             scale_sd: None,
             ..self.clone()
         }
+    }
+
+    /// By how much b has moved while a magnet slides on, units.
+    pub fn slid(&self) -> Vector3<f64> {
+        let before = self.former.filter(|_| self.motion == Motion::Slides);
+        before.map_or_else(Vector3::zeros, |before| centre(&self.now.tau()) - centre(&before.mean))
     }
 
     /// Log of the joint probability of its onset and all frames.
@@ -127,7 +156,7 @@ impl Filter {
         let after = |seconds: f64| self.onset_ns.saturating_add((seconds * 1e9) as i64);
         Way {
             walk: tuning.walk_ut / unit_ut,
-            rates: self.moves.then(|| tuning.rates(unit_ut)),
+            rates: self.motion.rates(tuning, unit_ut),
             rough_until_ns: if self.kind == Kind::Place { after(tuning.change_s) } else { i64::MIN },
             done_ns: if self.takes_time { after(tuning.ramp_s) } else { i64::MIN },
         }
@@ -148,7 +177,7 @@ impl Filter {
             self.leap_to(frame, &leap, unit_ut);
         }
         self.now.step(&self.lin, frame, way, tuning);
-        if !self.moves {
+        if self.motion == Motion::Rests {
             self.fixed.step(&self.lin, frame, way, tuning);
         }
     }
@@ -222,7 +251,7 @@ impl Filter {
     /// Runs again from its beginning about where it has come to, as far as that explains the frames better. Returns the frames.
     pub fn run(&mut self, frames: &Frames, tuning: &Tuning, unit_ut: f64) -> u64 {
         // no one point belongs to all frames of a b that moves: it goes on about where it is now
-        if self.moves {
+        if self.motion != Motion::Rests {
             self.base = self.now.clone();
             (self.first, self.lin) = (frames.next, self.now.tau());
             return 1;
@@ -284,7 +313,7 @@ impl Filter {
     /// grid that doubles with their age.
     pub fn makes_needless(&self, other: &Self, latest: u64) -> bool {
         let is_twin = || (self.now.tau() - other.now.tau()).norm() < NEAR;
-        let means = |it: &Self| (it.moves, it.leap.is_some());
+        let means = |it: &Self| (it.motion, it.leap.is_some());
         if means(self) != means(other) {
             return false;
         }

@@ -310,11 +310,11 @@ impl Adaptive {
 
     fn answer(&self, u: &Vector3<f64>) -> Answer {
         let degrees = |square: f64| square.max(0.0).sqrt().to_degrees().min(180.0);
-        // what differs in strength and along the vertical differs across it, too
+        // what differs in strength and along the vertical differs across it, too; and what slid may be the place's
         let elsewhere = self.bank.best().map_or(0.0, |best| {
             let (level, tilted, _) = best.now.level();
             let beyond = parameters::beyond_earth(&best.now.tau(), self.unit_ut);
-            0.5 * (level * level + tilted * tilted + beyond * beyond)
+            0.5 * (level * level + tilted * tilted + beyond * beyond) + best.slid().norm_squared()
         });
         let noise = self.white() + self.bank.noise.uneven.size.powi(2);
         let corrected = self.published.and_then(|published| published.correct(u, noise, elsewhere));

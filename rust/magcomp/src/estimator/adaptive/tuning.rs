@@ -1,7 +1,8 @@
 //! Every choice of the estimator: what is believed of phones, hands and places before a stream is seen.
 
-use crate::noise::Process;
-use crate::priors::{DEVICES_PER_H, NOISE_UT, OF_USE_DEG, RAMP_S, ROOM_S, ROOM_UT, SETTLED_S, SHOWN_RAD2, TILT_RAD};
+use crate::priors::{
+    DEVICES_PER_H, LARGEST_UT, NOISE_UT, OF_USE_DEG, RAMP_S, ROOM_S, ROOM_UT, SETTLED_S, SHOWN_RAD2, TILT_RAD,
+};
 use crate::tuning::choices;
 
 choices! {
@@ -33,10 +34,10 @@ choices! {
         place: 0.2, "", "rooms, beside steel";
         /// Random walk of b
         walk_ut: 0.01, "uT/s^0.5", "temperature";
-        /// How fast b moves where it does, standard deviation per axis
-        rate_ut_s: 0.5, "uT/s", "a battery that charges, a cover that slides";
-        /// For how long it moves at the same rate
-        rate_s: 2.0 * SETTLED_S, "s", "the same";
+        /// How fast b drifts where it does, standard deviation per axis
+        drift_ut_s: 0.5, "uT/s", "a battery that charges";
+        /// How fast it moves while a magnet slides on
+        slide_ut_s: LARGEST_UT / (2.0 * SETTLED_S), "uT/s", "the largest within ten seconds: priors";
         /// How far M deviates from a multiple of I before anything is known
         soft_iron: 0.05, "", "phones";
         /// Samples nearer than this to one another are one group
@@ -82,12 +83,5 @@ choices! {
         unevenness;
         /// Learning of a hand's tilt
         tilting;
-    }
-}
-
-impl Tuning {
-    /// How b moves where it does, units a second.
-    pub fn rates(&self, unit_ut: f64) -> Process {
-        Process { size: self.rate_ut_s / unit_ut, lasts_s: self.rate_s }
     }
 }

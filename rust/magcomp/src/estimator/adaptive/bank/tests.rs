@@ -26,7 +26,7 @@ fn a_surprise_brings_changes_of_every_kind() {
         bank.former = Some(former);
         bank.all.truncate(1);
         bank.spawn(0, &frame, surprised, 0.1, &Tuning::USED);
-        let of = |kind: Kind| bank.all.iter().filter(move |it| it.kind == kind && !it.moves);
+        let of = |kind: Kind| bank.all.iter().filter(move |it| it.kind == kind && it.motion == Motion::Rests);
         assert_eq!((of(Kind::Device).count(), of(Kind::Place).count()), (devices, 2));
         assert_eq!(of(Kind::Device).filter(|it| it.takes_time).count(), devices / 2 * formers);
         assert_eq!(of(Kind::Former).count(), formers);
@@ -34,6 +34,40 @@ fn a_surprise_brings_changes_of_every_kind() {
         // 60 places and 6 devices an hour, each of two kinds or ways
         let of_place = of(Kind::Place).next().unwrap().now.log - of(Kind::Device).next().unwrap().now.log;
         assert!((of_place - 10.0_f64.ln()).abs() < 1e-9, "{of_place}");
+    }
+}
+
+/// It may drift, which is no change, or slide, which is one. What is tried already, and likely, is not tried again.
+#[test]
+fn b_that_rests_may_move() {
+    let frame = Frame { u: Vector3::new(0.4, -1.2, 0.3), time_ns: 7, ..Frame::default() };
+    let spawned = |motion: Motion, tried: Option<(Motion, f64)>| {
+        let mut bank = Bank::new(45.0);
+        bank.begin_cold(&frame, 0.0, false, &Tuning::USED);
+        bank.all.truncate(1);
+        bank.all[0].motion = motion;
+        let id = bank.all[0].id;
+        if let Some((motion, behind)) = tried {
+            let mut other = bank.all[0].clone();
+            (other.motion, other.id, other.now.log) = (motion, 99, other.now.log - behind);
+            bank.all.push(other);
+        }
+        bank.spawn(0, &frame, false, 0.1, &Tuning::USED);
+        let of = |motion: Motion| bank.all.iter().filter(move |it| it.motion == motion);
+        let ids = |motion: Motion| of(motion).map(|it| it.id).collect::<Vec<_>>();
+        if motion == Motion::Rests {
+            assert!(of(Motion::Slides).filter(|it| it.id != 99).all(|it| it.kind == Kind::Device && it.onset_ns == 7));
+            assert!(of(Motion::Drifts).all(|it| it.kind == Kind::Cold));
+        }
+        (id, ids(Motion::Drifts), ids(Motion::Slides))
+    };
+    let (id, drifts, slides) = spawned(Motion::Rests, None);
+    assert_eq!((drifts, slides.len()), (vec![id], 1));
+    assert!(slides[0] > id);
+    assert_eq!(spawned(Motion::Rests, Some((Motion::Slides, 8.9))).2, [99]);
+    assert!(spawned(Motion::Rests, Some((Motion::Slides, 9.1))).2[0] != 99);
+    for (motion, slides) in [(Motion::Drifts, 0), (Motion::Slides, 1)] {
+        assert_eq!(spawned(motion, None).2.len(), slides, "{motion:?}");
     }
 }
 
@@ -135,19 +169,19 @@ fn the_hopeless_and_the_needless_go() {
     bank.all[3].now.log = -0.01 - HOPELESS;
     bank.all[3].kind = Kind::Cold;
     bank.all[4].now.log = f64::NEG_INFINITY;
-    bank.prune();
+    bank.prune(&Tuning::USED);
     let mut ids: Vec<_> = bank.all.iter().map(|it| it.id).collect();
     ids.sort_unstable();
     assert_eq!(ids, [1, 2, 4]);
     // it is old after eight frames
     bank.frames.next = LATELY;
-    bank.prune();
+    bank.prune(&Tuning::USED);
     assert_eq!(bank.all.len(), 2);
     // twins: of the same beginning and place
     let mut twin = bank.all[0].clone();
     twin.now.log -= 1.0;
     bank.all.push(twin);
-    bank.prune();
+    bank.prune(&Tuning::USED);
     assert_eq!(bank.all.len(), 2);
     for k in 0..30 {
         bank.begin_given(&frame, &here(10.0 + f64::from(k)));
@@ -155,7 +189,7 @@ fn the_hopeless_and_the_needless_go() {
         bank.all[last].parent = 100 + k as u32;
         bank.all[last].now.log = 1.0;
     }
-    bank.prune();
+    bank.prune(&Tuning::USED);
     assert_eq!(bank.all.len(), KEPT);
     assert!(bank.all.iter().all(|it| it.now.log == 1.0));
 }
