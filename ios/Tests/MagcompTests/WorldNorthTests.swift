@@ -18,12 +18,12 @@ import simd
     }
 
     /// The pose of a device in a world whose y axis points by `worldDeg` clockwise from north.
-    func pose(_ timeNs: Int64, yawDeg: Double, worldDeg: Double) -> AttitudeSample {
+    func pose(_ timeNs: Int64, yawDeg: Double, worldDeg: Double) -> SensorSample.Attitude {
         let q = attitude(yawDeg: yawDeg + worldDeg)
-        return AttitudeSample(timeNs: timeNs, w: q.w, x: q.x, y: q.y, z: q.z, yaw: .relative)
+        return SensorSample.Attitude(timeNs: timeNs, w: q.w, x: q.x, y: q.y, z: q.z, yaw: .relative)
     }
 
-    func isClose(_ north: WorldNorth?, _ headingDeg: Double, within: Double = 1e-6) -> Bool {
+    func isClose(_ north: Compass.WorldNorth?, _ headingDeg: Double, within: Double = 1e-6) -> Bool {
         north.map { abs(($0.headingDeg - headingDeg).remainder(dividingBy: 360)) < within } ?? false
     }
 
