@@ -82,32 +82,6 @@ extension SensorSample.Heading {
         let sigmaDeg = min((toldDeg * toldDeg + headedDeg * headedDeg).squareRoot(), 180)
         self.init(timeNs: timeNs, headingDeg: courseDeg, sigmaDeg: sigmaDeg, reference: .true, axis: headed)
     }
-
-    /// The core's own ranges, held together with it by a test: a sample may be refused before there is an estimator.
-    func check() throws {
-        var numbers = [headingDeg, sigmaDeg]
-        var length = 1.0
-        if case .device(let axis) = self.axis {
-            numbers += [axis.x, axis.y, axis.z]
-            length = abs(axis.x) + abs(axis.y) + abs(axis.z)
-        }
-        guard numbers.allSatisfy(\.isFinite) else { throw MagcompError.eventRejected(reason: .notFinite) }
-        guard sigmaDeg > 0, sigmaDeg <= 180, abs(headingDeg) <= 360, length > 0 else {
-            throw MagcompError.eventRejected(reason: .outOfRange)
-        }
-    }
-}
-
-extension SensorSample.Attitude {
-    /// As that of a heading.
-    func check() throws {
-        var sigma = 180.0
-        if case .absolute(let sigmaDeg, _) = yaw { sigma = sigmaDeg }
-        guard [w, x, y, z, sigma].allSatisfy(\.isFinite) else { throw MagcompError.eventRejected(reason: .notFinite) }
-        guard [w, x, y, z].contains(where: { $0 != 0 }), sigma > 0, sigma <= 180 else {
-            throw MagcompError.eventRejected(reason: .outOfRange)
-        }
-    }
 }
 
 extension Compass {
@@ -116,22 +90,20 @@ extension Compass {
     /// - Parameter heading: its time is that of the source's events, for the phone's sensors `SensorSample.Heading.timeNs(of:)` of a date; up to 5 s
     ///   before the latest reading
     /// - Returns: whether it was taken; one that is too late, or comes while nobody iterates, changes nothing
-    /// - Throws: `MagcompError.eventRejected` for numbers that can't be
+    /// - Throws: `MagcompError.eventRejected` for numbers that can't be, while somebody iterates
     @discardableResult
     public func aid(with heading: SensorSample.Heading) throws -> Bool {
-        try heading.check()
-        return try aid(.heading(heading))
+        try aid(.heading(heading))
     }
 
     /// An orientation from outside: ARKit's camera (`SensorSample.Attitude(arKitTimestampS:x:y:z:)`). While the gyroscope is missing its turns stand in
     /// for it; one whose yaw is known is a heading too.
     ///
     /// - Returns: whether it was taken; one that is too late, or comes while nobody iterates, changes nothing
-    /// - Throws: `MagcompError.eventRejected` for numbers that can't be
+    /// - Throws: `MagcompError.eventRejected` for numbers that can't be, while somebody iterates
     @discardableResult
     public func aid(with attitude: SensorSample.Attitude) throws -> Bool {
-        try attitude.check()
-        return try aid(.attitude(attitude))
+        try aid(.attitude(attitude))
     }
 }
 

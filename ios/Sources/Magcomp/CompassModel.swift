@@ -33,7 +33,8 @@ public final class CompassModel {
 
     /// Whose readings are shown; its axis, screen rotation and declination may be set at any time.
     public let compass: Compass
-    private let display: CompassDisplay
+    private let rateHz: Double
+    private let smoothingHalfLifeS: Double?
     private let runs = SharedRun()
     private var isPreview = false
     @ObservationIgnored private var shown = CompassState()
@@ -43,13 +44,12 @@ public final class CompassModel {
     ///   - rateHz: at most so many a second, by the times of the samples, above 0. Default 60: as often as a screen is drawn
     ///   - smoothingHalfLifeS: half-life of headings' smoothing, seconds, above 0; nil, the default: they are shown as they come
     public init(compass: Compass, rateHz: Double = 60, smoothingHalfLifeS: Double? = nil) {
-        self.compass = compass
-        display = CompassDisplay(rateHz: rateHz, smoothingHalfLifeS: smoothingHalfLifeS)
+        (self.compass, self.rateHz, self.smoothingHalfLifeS) = (compass, rateHz, smoothingHalfLifeS)
     }
 
     /// Shows one reading, or an error, for previews: no sensor runs, ``run()`` returns at once.
-    public init(preview reading: CompensatedReading?, error: CompassError? = nil) {
-        (compass, display) = (Compass(source: NoSource()), CompassDisplay())
+    public convenience init(preview reading: CompensatedReading?, error: CompassError? = nil) {
+        self.init(compass: Compass(source: NoSource()))
         isPreview = true
         var state = CompassState(error: error)
         if let reading { state.show(reading) }
@@ -64,7 +64,9 @@ public final class CompassModel {
     /// Shows readings until its task is cancelled or the source ends; then it shows no heading, but a recording's last reading stays.
     public func run() async {
         if isPreview { return }
-        await runs.join { [self] retries in await compass.follow(display, retries: retries) { show($0) } }
+        await runs.join { [self] retries in
+            await compass.follow(rateHz: rateHz, smoothingHalfLifeS: smoothingHalfLifeS, retries: retries) { show($0) }
+        }
     }
 
     /// Tries again after an error that may pass, such as a sensor that has stopped: the run that waits goes on. Else it does nothing.

@@ -38,14 +38,19 @@ extension Compass {
     /// state stays. Begins with nothing known, or while the sensors run on after another screen with what they know; an error leaves
     /// nothing but itself and its text. After one that may pass it waits until it is told to try again.
     @MainActor
-    func follow(_ display: CompassDisplay, retries: SharedRun.Retries, show: (CompassState) -> Void) async {
+    func follow(
+        rateHz: Double, smoothingHalfLifeS: Double?, retries: SharedRun.Retries, show: (CompassState) -> Void
+    ) async {
         while true {
-            var screen = CompassScreen(display)
+            var screen = CompassScreen(smoothingHalfLifeS: smoothingHalfLifeS)
             do {
-                try display.check()
+                for (field, value) in [("rateHz", rateHz), ("smoothingHalfLifeS", smoothingHalfLifeS ?? 1)]
+                where !(value > 0) {
+                    throw MagcompError.config(field: "CompassModel.\(field)", value: "\(value)", expected: "above 0")
+                }
                 if let latest { screen.see(latest) }
                 show(screen.state)
-                var iterator = readings(rateHz: display.rateHz).makeAsyncIterator()
+                var iterator = readings(rateHz: rateHz).makeAsyncIterator()
                 while let answer = try await iterator.next(isolation: MainActor.shared) {
                     screen.see(answer)
                     show(screen.state)
@@ -76,25 +81,13 @@ extension Compass {
     }
 }
 
-/// How a screen shows a compass: ``CompassModel`` says what each is.
-struct CompassDisplay: Sendable {
-    var rateHz = 60.0
-    var smoothingHalfLifeS: Double?
-
-    func check() throws {
-        for (field, value) in [("rateHz", rateHz), ("smoothingHalfLifeS", smoothingHalfLifeS ?? 1)] where !(value > 0) {
-            throw MagcompError.config(field: "CompassModel.\(field)", value: "\(value)", expected: "above 0")
-        }
-    }
-}
-
-/// What a screen shows of the readings it sees, smoothed as its display says.
+/// What a screen shows of the readings it sees, smoothed where a half-life is given.
 struct CompassScreen {
     private(set) var state = CompassState()
     private var heading, trueHeading: HeadingSmoother?
 
-    init(_ display: CompassDisplay) {
-        heading = display.smoothingHalfLifeS.map { HeadingSmoother(halfLifeS: $0) }
+    init(smoothingHalfLifeS: Double?) {
+        heading = smoothingHalfLifeS.map { HeadingSmoother(halfLifeS: $0) }
         trueHeading = heading
     }
 

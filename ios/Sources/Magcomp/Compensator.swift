@@ -63,16 +63,16 @@ public final class Compensator: Sendable {
         case .rotationRate(let sample): try pushRotationRate(sample)
         case .up(let sample): try pushUp(sample)
         case .systemField, .note: break
-        case .heading(let sample): _ = try Self.taken { try pushHeading(sample) }
-        case .attitude(let sample): _ = try Self.taken { try pushAttitude(sample) }
+        case .heading, .attitude: _ = try take(event)
         }
         return nil
     }
 
     /// Whether help from outside was taken; false where its time was not right.
-    static func taken(_ push: () throws -> Void) throws -> Bool {
+    func take(_ help: SensorSample) throws -> Bool {
         do {
-            try push()
+            if case .heading(let sample) = help { try pushHeading(sample) }
+            if case .attitude(let sample) = help { try pushAttitude(sample) }
             return true
         } catch MagcompError.eventRejected(let reason) where reason != .notFinite && reason != .outOfRange {
             return false

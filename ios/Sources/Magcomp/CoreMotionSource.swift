@@ -114,26 +114,18 @@ private final class Updates: @unchecked Sendable {
 
     func listen(_ listener: Listener) -> @Sendable () -> Void {
         do {
-            let number = try add(listener)
-            return { self.remove(number) }
+            let number = try lock.withLock {
+                if listeners.isEmpty { try start() }
+                number += 1
+                listeners[number] = listener
+                return number
+            }
+            return { [self] in
+                lock.withLock { if listeners.removeValue(forKey: number) != nil, listeners.isEmpty { stop() } }
+            }
         } catch {
             listener.end(error)
             return {}
-        }
-    }
-
-    private func add(_ listener: Listener) throws -> Int {
-        try lock.withLock {
-            if listeners.isEmpty { try start() }
-            number += 1
-            listeners[number] = listener
-            return number
-        }
-    }
-
-    private func remove(_ number: Int) {
-        lock.withLock {
-            if listeners.removeValue(forKey: number) != nil, listeners.isEmpty { stop() }
         }
     }
 
@@ -244,7 +236,7 @@ private final class Updates: @unchecked Sendable {
             stop()
             return (Array(listeners.values), queued.flush())
         }
-        // outside the lock: this calls `remove`
+        // outside the lock: the end of one that listens stops it
         for listener in all {
             listener.take(rest)
             listener.end(failure)

@@ -159,31 +159,21 @@ final class Estimation: @unchecked Sendable {
 
     /// Tells the compensator what something else knows; false where there is none, or it came too late or too early.
     func aid(_ help: SensorSample) throws -> Bool {
-        try lock.withLock {
-            if case .attitude(let pose) = help { seePose(pose) }
-            return try use { try aid(help, $0) } ?? false
-        }
+        try lock.withLock { try use { try aid(help, $0) } ?? false }
     }
 
     private func aid(_ help: SensorSample, _ compensator: Compensator) throws -> Bool {
-        let isTaken = try Compensator.taken {
-            switch help {
-            case .heading(let sample): try compensator.pushHeading(sample)
-            case .attitude(let sample): try compensator.pushAttitude(sample)
-            default: break
-            }
+        // a pose that can't be throws, before the world sees it
+        let isTaken = try compensator.take(help)
+        if case .attitude(let pose) = help {
+            world = world ?? WorldTurn()
+            world?.see(pose)
         }
         if isTaken {
             isAided = true
             recording?.take(help)
         }
         return isTaken
-    }
-
-    /// Notes an orientation in an outside world.
-    private func seePose(_ pose: SensorSample.Attitude) {
-        if world == nil { world = WorldTurn() }
-        world?.see(pose)
     }
 
     /// Magnetic north in that world.
@@ -297,7 +287,6 @@ final class Estimation: @unchecked Sendable {
             try take(note.what, compensator)
             return nil
         case .heading, .attitude:
-            if case .attitude(let pose) = event { seePose(pose) }
             _ = try aid(event, compensator)
             return nil
         }

@@ -65,9 +65,12 @@ import Testing
         #expect(abs(Double(nowNs) * 1e-9 - ProcessInfo.processInfo.systemUptime) < 10)
     }
 
-    @Test func numbersAreRefusedAsTheCoreRefusesThem() throws {
+    @Test func numbersAreRefusedAsTheCoreRefusesThem() async throws {
         let core = try Compensator()
-        let compass = Compass(source: Played(events: []))
+        let source = Live()
+        let compass = Compass(source: source)
+        let task = reader(compass, Shared([]))
+        try await source.started(1)
         let (top, far) = (DeviceVector(x: 0, y: 1, z: 0), Double.infinity)
         let axes: [SensorSample.HeadedAxis] = [
             .vehicle, .device(axis: top), .device(axis: DeviceVector(x: 0, y: 0, z: 0)),
@@ -80,6 +83,7 @@ import Testing
                 let sample = SensorSample.Heading(
                     timeNs: 1, headingDeg: headingDeg, sigmaDeg: sigmaDeg, reference: .magnetic, axis: axis)
                 try core.reset()
+                compass.reset()
                 let told = Result { try core.pushHeading(sample) }.failure
                 #expect(Result { try compass.aid(with: sample) }.failure == told, "\(sample)")
             }
@@ -91,9 +95,12 @@ import Testing
         ] {
             let sample = SensorSample.Attitude(timeNs: 1, w: w, x: 0, y: 0, z: 0, yaw: yaw)
             try core.reset()
+            compass.reset()
             let told = Result { try core.pushAttitude(sample) }.failure
             #expect(Result { try compass.aid(with: sample) }.failure == told, "\(sample)")
         }
+        task.cancel()
+        try await task.value
     }
 
     /// A phone that lies flat, its top edge north by a calibration that is hardly known: a world turned by 30 degrees leads.

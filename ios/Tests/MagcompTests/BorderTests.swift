@@ -162,6 +162,7 @@ import Testing
             { try compensator.pushUp(SensorSample.Up(timeNs: 1, upMS2: v)) },
             { try compensator.pushRotationRate(SensorSample.RotationRate(timeNs: 1, rateRadS: v)) },
             { _ = try compensator.calibration() },
+            { _ = try compensator.unseenDirections() },
             { _ = try compensator.keep(unixTimeS: nowS) },
             { try compensator.adoptKept("", unixTimeS: nil) },
             { try compensator.pushGap(hiddenS: 1) },
@@ -180,10 +181,12 @@ import Testing
         for stale in [handle, 0, -1, .max, .min] {
             #expect(magcomp_push_up(stale, 2, 0, 0, 9.8) == Int32(MAGCOMP_CLOSED))
             #expect(magcomp_push(stale, 2, 0, 0, 0, .nan, .nan, .nan, nil) == Int32(MAGCOMP_CLOSED))
+            #expect(magcomp_unseen_directions(stale, nil) == Int32(MAGCOMP_CLOSED))
         }
         let other = try Compensator()
         #expect(other.fastHandle != handle)
         #expect(magcomp_push(other.fastHandle, 2, 0, 0, 0, .nan, .nan, .nan, nil) == Int32(MAGCOMP_NO_ROOM))
+        #expect(magcomp_unseen_directions(other.fastHandle, nil) == Int32(MAGCOMP_NO_ROOM))
     }
 
     @Test func aDefectOfTheLibraryIsATypedErrorUntilReset() throws {
@@ -193,6 +196,7 @@ import Testing
         let sample = SensorSample.Magnetic(timeNs: 1, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
         #expect(throws: defect) { try compensator.push(sample) }
         #expect(throws: defect) { try compensator.calibration() }
+        #expect(throws: defect) { try compensator.unseenDirections() }
         try compensator.reset()
         #expect(try compensator.push(sample).status.label == "collecting")
     }

@@ -14,7 +14,7 @@ import Testing
 
     /// What is shown of each.
     func shown(_ answers: [CompensatedReading], halfLifeS: Double? = nil) -> [CompassState] {
-        var screen = CompassScreen(CompassDisplay(smoothingHalfLifeS: halfLifeS))
+        var screen = CompassScreen(smoothingHalfLifeS: halfLifeS)
         return answers.map {
             screen.see($0)
             return screen.state
@@ -97,7 +97,8 @@ import Testing
         let shown = Shared<[Int64]>([])
         let compass = Compass(source: source)
         let running = Task {
-            await compass.follow(CompassDisplay(rateHz: 1e6), retries: AsyncStream { $0.finish() }) { state in
+            let retries = AsyncStream<Void> { $0.finish() }
+            await compass.follow(rateHz: 1e6, smoothingHalfLifeS: nil, retries: retries) { state in
                 if let reading = state.reading { shown.change { $0.append(reading.sample.timeNs) } }
             }
         }

@@ -121,6 +121,12 @@ import simd
         #expect(true_.reference == .true && isClose(true_, north.headingDeg + 20))
         // north is to the right of the top edge, which is -z; x is to the right
         #expect(north.direction.x > 0.2 && north.direction.z < -0.8 && north.direction.y == 0)
+        // one that is no pose changes nothing
+        let none = SensorSample.Attitude(timeNs: last.sample.timeNs + 1, w: 0, x: 0, y: 0, z: 0, yaw: .relative)
+        #expect(throws: MagcompError.eventRejected(reason: .outOfRange)) { try compass.aid(with: none) }
+        source.play(flat(921))
+        try await eventually { seen.value.count == 922 }
+        #expect(compass.arWorldNorth == true_)
         compass.reset()
         #expect(compass.arWorldNorth == nil)
         task.cancel()
