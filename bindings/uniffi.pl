@@ -111,7 +111,8 @@ sub swift {
     my $research = join '|', research();
     must 'research', $text =~ s/^(?=public (?:struct|enum|final class) (?:$research)\b|extension (?:$research)\b)/\@_spi(Research) /mg;
     must 'properties of research', $text =~ s/^    (?=public var \w+: (?:$research)\b)/    \@_spi(Research) /mg;
-    must 'numbers for research', $text =~ s/^    (?=public var (?:filteredFieldUt|sigmaT|window|directionSigmaDeg|worstSigmaDeg|reportedHardIronJumpUt): )/    \@_spi(Research) /mg;
+    my $numbers = join '|', qw(filteredFieldUt sigmaT window directionSigmaDeg worstSigmaDeg reportedHardIronJumpUt);
+    must 'numbers for research', $text =~ s/^    (?=public var (?:$numbers): )/    \@_spi(Research) /mg;
     must 'initialisers', $text =~ s{^    (public init\(\n.*?\) \{)}{
         my $made = $1;
         ($made =~ m{\*/\w+: (?:$research)\b} ? "    \@_spi(Research) " : "    ") . $made

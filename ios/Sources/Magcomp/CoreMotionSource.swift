@@ -114,14 +114,14 @@ private final class Updates: @unchecked Sendable {
 
     func listen(_ listener: Listener) -> @Sendable () -> Void {
         do {
-            let number = try lock.withLock {
+            let mine = try lock.withLock {
                 if listeners.isEmpty { try start() }
                 number += 1
                 listeners[number] = listener
                 return number
             }
             return { [self] in
-                lock.withLock { if listeners.removeValue(forKey: number) != nil, listeners.isEmpty { stop() } }
+                lock.withLock { if listeners.removeValue(forKey: mine) != nil, listeners.isEmpty { stop() } }
             }
         } catch {
             listener.end(error)
