@@ -49,7 +49,7 @@ public final class CompassModel {
 
     /// Shows one reading, or an error, for previews: no sensor runs, ``run()`` returns at once.
     public convenience init(preview reading: CompensatedReading?, error: CompassError? = nil) {
-        self.init(compass: Compass(source: NoSource()))
+        self.init(compass: Compass(source: PushedSource()))
         isPreview = true
         var state = CompassState(error: error)
         if let reading { state.show(reading) }

@@ -94,17 +94,7 @@ struct CompassScreen {
     mutating func see(_ answer: CompensatedReading) {
         state.show(answer)
         guard heading != nil else { return }
-        let timeNs = answer.sample.timeNs
-        state.headingDeg = smooth(state.headingDeg, timeNs, &heading)
-        state.trueHeadingDeg = smooth(state.trueHeadingDeg, timeNs, &trueHeading)
+        state.headingDeg = heading?.push(state.headingDeg, timeNs: answer.sample.timeNs) ?? nil
+        state.trueHeadingDeg = trueHeading?.push(state.trueHeadingDeg, timeNs: answer.sample.timeNs) ?? nil
     }
-}
-
-/// The smoothed heading; nothing is smoothed across a moment without one.
-private func smooth(_ headingDeg: Double?, _ timeNs: Int64, _ smoother: inout HeadingSmoother?) -> Double? {
-    guard let headingDeg else {
-        smoother?.reset()
-        return nil
-    }
-    return smoother?.push(headingDeg, timeNs: timeNs)
 }

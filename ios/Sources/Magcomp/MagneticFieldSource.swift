@@ -13,11 +13,6 @@ extension MagneticFieldSource {
     public var hiddenS: Double { 0 }
 }
 
-/// One without events, for previews.
-struct NoSource: MagneticFieldSource {
-    func samples() -> SensorSamples { SensorSamples { AsyncStream { $0.finish() } } }
-}
-
 /// One event of one of the sensors, with its own time.
 public enum SensorSample: Equatable, Codable, Sendable {
     /// A raw magnetometer event.

@@ -33,18 +33,6 @@ import simd
         #expect(answer.status == .tracking && answer.attitude == reading.attitude)
     }
 
-    @Test func smoothersAreEqualWhoseNextHeadingsAre() {
-        var (one, other) = (HeadingSmoother(halfLifeS: 1), HeadingSmoother(halfLifeS: 1))
-        for timeNs in [Int64(1), 2] {
-            _ = one.push(10, timeNs: timeNs)
-            #expect(one != other)
-        }
-        _ = other.push(10, timeNs: 2)
-        #expect(one == other)
-        _ = other.push(10, timeNs: 3)
-        #expect(one != other)
-    }
-
     @Test func aCompensatorKeepsItsConfig() throws {
         let config = CompensationConfig(railUt: 1300, heading: HeadingConfig(axis: .camera))
         #expect(try Compensator(config: config).config == config)

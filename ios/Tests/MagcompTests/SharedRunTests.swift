@@ -70,7 +70,7 @@ import Testing
     @Test func everyViewEndsWithTheSource() async throws {
         let source = Live()
         let (model, other) = (
-            CompassModel(compass: Compass(source: source)), CompassModel(compass: Compass(source: NoSource()))
+            CompassModel(compass: Compass(source: source)), CompassModel(compass: Compass(source: Played(events: [])))
         )
         let views = [view(model), view(model)]
         try await source.started(1)
