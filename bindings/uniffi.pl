@@ -4,7 +4,7 @@
 #   apps share one namespace with every package they use, `package`, which SwiftPM shows to this package's targets and nobody else.
 # * Documents have the names of the language and of uniffi.toml. An error's message is its sentence.
 # * Swift: cases of errors begin with a small letter, as Swift's do; what costs nothing to ask is a property; counts are `Int`; objects have
-#   `close()`. What research needs and no app is SPI: it takes `@_spi(Research) import Magcomp`.
+#   `close()`. What research needs and no app is SPI: it takes `@_spi(Research) import Magcomp`. What belongs to one type stands in it.
 use strict;
 use warnings;
 
@@ -18,6 +18,8 @@ sub must { my ($what, $found) = @_; $found or die "bindings: uniffi writes $what
 # in documents too, where a field follows: `Config.initial`; alone, it may be an error's case
 my ($lines) = content('rust/magcomp-ffi/uniffi.toml') =~ /^\[bindings\.$language\.rename\]\n((?:(?!\[).*\n)*)/m;
 my %names = $lines =~ /^(\w+) = "(\w+)"/mg;
+my ($nested) = content('rust/magcomp-ffi/uniffi.toml') =~ /^\[swift\.nested\]\n((?:(?!\[).*\n)*)/m;
+my %nested = $nested =~ /^(\w+) = "([\w.]+)"/mg;
 
 # `field_ut` is fieldUt, but for a path as an error says it
 sub document {
@@ -67,8 +69,8 @@ sub kotlin {
 
 # The paper's method, its fits, and the settings that a compass knows better.
 sub research {
-    return qw(CompensationMethod ConstantField EllipsoidFit FitOptions FitResidual FitTermination HeadingConfig ModelOrder SigmaNormalisation
-        SoftIron WindowedConfig);
+    return qw(CompensationMethod ConstantField DirectionCoverage EllipsoidFit FitOptions FitResidual FitTermination HeadingConfig ModelOrder
+        SensorMode SigmaNormalisation SoftIron WindowedConfig);
 }
 
 # Rust refuses what is too large by the range of the setting.
@@ -109,6 +111,8 @@ sub swift {
     my $research = join '|', research();
     must 'research', $text =~ s/^(?=public (?:struct|enum|final class) (?:$research)\b|extension (?:$research)\b)/\@_spi(Research) /mg;
     must 'properties of research', $text =~ s/^    (?=public var \w+: (?:$research)\b)/    \@_spi(Research) /mg;
+    my $numbers = join '|', qw(filteredFieldUt sigmaT window directionSigmaDeg worstSigmaDeg reportedHardIronJumpUt);
+    must 'numbers for research', $text =~ s/^    (?=public var (?:$numbers): )/    \@_spi(Research) /mg;
     must 'initialisers', $text =~ s{^    (public init\(\n.*?\) \{)}{
         my $made = $1;
         ($made =~ m{\*/\w+: (?:$research)\b} ? "    \@_spi(Research) " : "    ") . $made
@@ -131,6 +135,16 @@ sub swift {
         $line =~ s/\b(with|or|after|from|until) `($errors)`/$1 `MagcompError.\l$2`/g;
         $line
     }mge;
+
+    for my $name (sort keys %nested) {
+        my ($owner, $own) = $nested{$name} =~ /(.*)\.(\w+)/;
+        must $name, $text =~ s{^(/\*\*\n(?: \*[^\n]*\n)+\n?(?:\@_spi\(Research\) )?public (?:struct|enum) )$name\b(.*?\n\}\n)}{
+            my $made = "$1$own$2";
+            $made =~ s/^(?=.)/    /mg;
+            "extension $owner {\n$made}\n"
+        }mse;
+        $text =~ s/(?<!struct )(?<!enum )\b$name\b/$nested{$name}/g;
+    }
 }
 
 $language eq 'kotlin' ? kotlin() : $language eq 'swift' ? swift() : die "usage: bindings/uniffi.pl kotlin|swift FILE\n";

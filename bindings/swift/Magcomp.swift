@@ -875,7 +875,7 @@ package protocol NativeCompensatorProtocol: AnyObject, Sendable {
      * assumes another clock: it keeps the calibration and begins anew with everything else. At the sensor's full scale
      * (`Saturated`) a gyroscope carries the field on: the reading has a carried field and a heading, and nothing is learned.
      */
-    func push(sample: MagneticSample) throws  -> MagneticReading
+    func push(sample: SensorSample.Magnetic) throws  -> MagneticReading
 
     /**
      * Time passed that the clock of the samples does not show, about so many seconds (0 to 1e9): the device slept. The calibration is
@@ -887,12 +887,12 @@ package protocol NativeCompensatorProtocol: AnyObject, Sendable {
     /**
      * A gyroscope event. Fails with `MagcompError.eventRejected`, which says why it was not used.
      */
-    func pushRotationRate(sample: RotationRateSample) throws
+    func pushRotationRate(sample: SensorSample.RotationRate) throws
 
     /**
      * An accelerometer or gravity event. Fails with `MagcompError.eventRejected`, which says why it was not used.
      */
-    func pushUp(sample: UpSample) throws
+    func pushUp(sample: SensorSample.Up) throws
 
     /**
      * Forgets everything but the config it was made with, also a heading frame that was set since. Makes the
@@ -914,18 +914,18 @@ package protocol NativeCompensatorProtocol: AnyObject, Sendable {
     /**
      * The declination that true headings from outside have shown. None before the first, and while a declination is set.
      */
-    func foundDeclination() throws  -> FoundDeclination?
+    func foundDeclination() throws  -> Compass.FoundDeclination?
 
     /**
      * What headings from outside are worth after the latest sample. None where none came in the last two minutes.
      */
-    func headingAid() throws  -> HeadingAid?
+    func headingAid() throws  -> CompensatedReading.HeadingAid?
 
     /**
      * An orientation from outside: a camera's pose. While the gyroscope is missing its turns stand in for it; where its world's y axis points
      * north it is a heading too. Fails with `MagcompError.eventRejected`, which says why it was not taken.
      */
-    func pushAttitude(sample: AttitudeSample) throws
+    func pushAttitude(sample: SensorSample.Attitude) throws
 
     /**
      * A heading from outside: a GNSS course, a landmark. It is used at the magnetometer sample that follows it in time, or comes up to 5 s late.
@@ -933,7 +933,7 @@ package protocol NativeCompensatorProtocol: AnyObject, Sendable {
      * ignored, unless others say the same for a minute. The filtered field, heading and attitude go by it; the calibration and the corrected
      * field do not. Fails with `MagcompError.eventRejected`, which says why it was not taken.
      */
-    func pushHeading(sample: HeadingSample) throws
+    func pushHeading(sample: SensorSample.Heading) throws
 
 }
 /**
@@ -1129,7 +1129,7 @@ public func keep(unixTimeS: Int64)throws  -> String?  {
      * assumes another clock: it keeps the calibration and begins anew with everything else. At the sensor's full scale
      * (`Saturated`) a gyroscope carries the field on: the reading has a carried field and a heading, and nothing is learned.
      */
-public func push(sample: MagneticSample)throws  -> MagneticReading  {
+public func push(sample: SensorSample.Magnetic)throws  -> MagneticReading  {
     return try  FfiConverterTypeMagneticReading_lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_push(
@@ -1156,7 +1156,7 @@ public func pushGap(hiddenS: Double)throws   {try rustCallWithError(FfiConverter
     /**
      * A gyroscope event. Fails with `MagcompError.eventRejected`, which says why it was not used.
      */
-public func pushRotationRate(sample: RotationRateSample)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+public func pushRotationRate(sample: SensorSample.RotationRate)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_push_rotation_rate(
             self.uniffiCloneHandle(),
@@ -1168,7 +1168,7 @@ public func pushRotationRate(sample: RotationRateSample)throws   {try rustCallWi
     /**
      * An accelerometer or gravity event. Fails with `MagcompError.eventRejected`, which says why it was not used.
      */
-public func pushUp(sample: UpSample)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+public func pushUp(sample: SensorSample.Up)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_push_up(
             self.uniffiCloneHandle(),
@@ -1216,7 +1216,7 @@ public func close()  {try! rustCall() {
     /**
      * The declination that true headings from outside have shown. None before the first, and while a declination is set.
      */
-public func foundDeclination()throws  -> FoundDeclination?  {
+public func foundDeclination()throws  -> Compass.FoundDeclination?  {
     return try  FfiConverterOptionTypeFoundDeclination.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_found_declination(
@@ -1228,7 +1228,7 @@ public func foundDeclination()throws  -> FoundDeclination?  {
     /**
      * What headings from outside are worth after the latest sample. None where none came in the last two minutes.
      */
-public func headingAid()throws  -> HeadingAid?  {
+public func headingAid()throws  -> CompensatedReading.HeadingAid?  {
     return try  FfiConverterOptionTypeHeadingAid.lift(try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_heading_aid(
@@ -1241,7 +1241,7 @@ public func headingAid()throws  -> HeadingAid?  {
      * An orientation from outside: a camera's pose. While the gyroscope is missing its turns stand in for it; where its world's y axis points
      * north it is a heading too. Fails with `MagcompError.eventRejected`, which says why it was not taken.
      */
-public func pushAttitude(sample: AttitudeSample)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+public func pushAttitude(sample: SensorSample.Attitude)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_push_attitude(
             self.uniffiCloneHandle(),
@@ -1256,7 +1256,7 @@ public func pushAttitude(sample: AttitudeSample)throws   {try rustCallWithError(
      * ignored, unless others say the same for a minute. The filtered field, heading and attitude go by it; the calibration and the corrected
      * field do not. Fails with `MagcompError.eventRejected`, which says why it was not taken.
      */
-public func pushHeading(sample: HeadingSample)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
+public func pushHeading(sample: SensorSample.Heading)throws   {try rustCallWithError(FfiConverterTypeMagcompError_lift) {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_method_compensator_push_heading(
             self.uniffiCloneHandle(),
@@ -1313,82 +1313,84 @@ fileprivate func FfiConverterTypeNativeCompensator_lower(_ value: NativeCompensa
 
 
 
-/**
- * An orientation that something else than these sensors knows: the pose of ARKit's or ARCore's camera.
- */
-public struct AttitudeSample: Equatable, Hashable, Codable {
+extension SensorSample {
     /**
-     * When it was true, nanoseconds, on the magnetometer's clock.
+     * An orientation that something else than these sensors knows: the pose of ARKit's or ARCore's camera.
      */
-    public var timeNs: Int64
-    /**
-     * The real part of the quaternion w + x i + y j + z k that takes a vector of the device frame to a world whose z points up. It may have
-     * any length but 0.
-     */
-    public var w: Double
-    /**
-     * The part of i.
-     */
-    public var x: Double
-    /**
-     * The part of j.
-     */
-    public var y: Double
-    /**
-     * The part of k.
-     */
-    public var z: Double
-    /**
-     * What is known of that world's y axis.
-     */
-    public var yaw: WorldYaw
-
-    // Default memberwise initializers are never public by default, so we
-    // declare one manually.
-    public init(
+    public struct Attitude: Equatable, Hashable, Codable {
         /**
          * When it was true, nanoseconds, on the magnetometer's clock.
-         */timeNs: Int64,
+         */
+        public var timeNs: Int64
         /**
          * The real part of the quaternion w + x i + y j + z k that takes a vector of the device frame to a world whose z points up. It may have
          * any length but 0.
-         */w: Double,
+         */
+        public var w: Double
         /**
          * The part of i.
-         */x: Double,
+         */
+        public var x: Double
         /**
          * The part of j.
-         */y: Double,
+         */
+        public var y: Double
         /**
          * The part of k.
-         */z: Double,
+         */
+        public var z: Double
         /**
          * What is known of that world's y axis.
-         */yaw: WorldYaw) {
-        self.timeNs = timeNs
-        self.w = w
-        self.x = x
-        self.y = y
-        self.z = z
-        self.yaw = yaw
+         */
+        public var yaw: SensorSample.Attitude.WorldYaw
+
+        // Default memberwise initializers are never public by default, so we
+        // declare one manually.
+        public init(
+            /**
+             * When it was true, nanoseconds, on the magnetometer's clock.
+             */timeNs: Int64,
+            /**
+             * The real part of the quaternion w + x i + y j + z k that takes a vector of the device frame to a world whose z points up. It may have
+             * any length but 0.
+             */w: Double,
+            /**
+             * The part of i.
+             */x: Double,
+            /**
+             * The part of j.
+             */y: Double,
+            /**
+             * The part of k.
+             */z: Double,
+            /**
+             * What is known of that world's y axis.
+             */yaw: SensorSample.Attitude.WorldYaw) {
+            self.timeNs = timeNs
+            self.w = w
+            self.x = x
+            self.y = y
+            self.z = z
+            self.yaw = yaw
+        }
+
+
+
+
     }
-
-
-
-
 }
 
 #if compiler(>=6)
-extension AttitudeSample: Sendable {}
+extension SensorSample.Attitude: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeAttitudeSample: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> AttitudeSample {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SensorSample.Attitude {
         return
-            try AttitudeSample(
+            try SensorSample.Attitude(
                 timeNs: FfiConverterInt64.read(from: &buf),
                 w: FfiConverterDouble.read(from: &buf),
                 x: FfiConverterDouble.read(from: &buf),
@@ -1398,7 +1400,7 @@ fileprivate struct FfiConverterTypeAttitudeSample: FfiConverterRustBuffer {
         )
     }
 
-    public static func write(_ value: AttitudeSample, into buf: inout [UInt8]) {
+    public static func write(_ value: SensorSample.Attitude, into buf: inout [UInt8]) {
         FfiConverterInt64.write(value.timeNs, into: &buf)
         FfiConverterDouble.write(value.w, into: &buf)
         FfiConverterDouble.write(value.x, into: &buf)
@@ -1412,14 +1414,14 @@ fileprivate struct FfiConverterTypeAttitudeSample: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeAttitudeSample_lift(_ buf: RustBuffer) throws -> AttitudeSample {
+fileprivate func FfiConverterTypeAttitudeSample_lift(_ buf: RustBuffer) throws -> SensorSample.Attitude {
     return try FfiConverterTypeAttitudeSample.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeAttitudeSample_lower(_ value: AttitudeSample) -> RustBuffer {
+fileprivate func FfiConverterTypeAttitudeSample_lower(_ value: SensorSample.Attitude) -> RustBuffer {
     return FfiConverterTypeAttitudeSample.lower(value)
 }
 
@@ -1836,7 +1838,7 @@ fileprivate func FfiConverterTypeDeviceVector_lower(_ value: DeviceVector) -> Ru
 /**
  * Which directions of the sphere have been seen, for guidance.
  */
-public struct DirectionCoverage: Equatable, Hashable, Codable {
+@_spi(Research) public struct DirectionCoverage: Equatable, Hashable, Codable {
     /**
      * Share of the 48 equal cells of the sphere that were seen, 0 to 1.
      */
@@ -1865,7 +1867,7 @@ public struct DirectionCoverage: Equatable, Hashable, Codable {
 }
 
 #if compiler(>=6)
-extension DirectionCoverage: Sendable {}
+@_spi(Research) extension DirectionCoverage: Sendable {}
 #endif
 
 #if swift(>=5.8)
@@ -2022,7 +2024,7 @@ fileprivate func FfiConverterTypeEarthMagneticField_lower(_ value: EarthMagnetic
     /**
      * Predicted rms error of a corrected direction, degrees.
      */
-    public var directionSigmaDeg: Double
+    @_spi(Research) public var directionSigmaDeg: Double
     /**
      * Samples in the fit.
      */
@@ -2127,7 +2129,7 @@ public struct FieldEvent: Equatable, Hashable, Codable {
     /**
      * What changed.
      */
-    public var kind: FieldEventKind
+    public var kind: FieldEvent.Kind
     /**
      * Time of the first sample that no longer fitted, nanoseconds.
      */
@@ -2142,7 +2144,7 @@ public struct FieldEvent: Equatable, Hashable, Codable {
     public init(
         /**
          * What changed.
-         */kind: FieldEventKind,
+         */kind: FieldEvent.Kind,
         /**
          * Time of the first sample that no longer fitted, nanoseconds.
          */sinceNs: Int64,
@@ -2338,54 +2340,56 @@ fileprivate func FfiConverterTypeFitOptions_lower(_ value: FitOptions) -> RustBu
 }
 
 
-/**
- * A declination that headings from true north have shown.
- */
-public struct FoundDeclination: Equatable, Hashable, Codable {
+extension Compass {
     /**
-     * Degrees, east positive.
+     * A declination that headings from true north have shown.
      */
-    public var declinationDeg: Double
-    /**
-     * One standard deviation, degrees.
-     */
-    public var sigmaDeg: Double
-
-    // Default memberwise initializers are never public by default, so we
-    // declare one manually.
-    public init(
+    public struct FoundDeclination: Equatable, Hashable, Codable {
         /**
          * Degrees, east positive.
-         */declinationDeg: Double,
+         */
+        public var declinationDeg: Double
         /**
          * One standard deviation, degrees.
-         */sigmaDeg: Double) {
-        self.declinationDeg = declinationDeg
-        self.sigmaDeg = sigmaDeg
+         */
+        public var sigmaDeg: Double
+
+        // Default memberwise initializers are never public by default, so we
+        // declare one manually.
+        public init(
+            /**
+             * Degrees, east positive.
+             */declinationDeg: Double,
+            /**
+             * One standard deviation, degrees.
+             */sigmaDeg: Double) {
+            self.declinationDeg = declinationDeg
+            self.sigmaDeg = sigmaDeg
+        }
+
+
+
+
     }
-
-
-
-
 }
 
 #if compiler(>=6)
-extension FoundDeclination: Sendable {}
+extension Compass.FoundDeclination: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeFoundDeclination: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> FoundDeclination {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Compass.FoundDeclination {
         return
-            try FoundDeclination(
+            try Compass.FoundDeclination(
                 declinationDeg: FfiConverterDouble.read(from: &buf),
                 sigmaDeg: FfiConverterDouble.read(from: &buf)
         )
     }
 
-    public static func write(_ value: FoundDeclination, into buf: inout [UInt8]) {
+    public static func write(_ value: Compass.FoundDeclination, into buf: inout [UInt8]) {
         FfiConverterDouble.write(value.declinationDeg, into: &buf)
         FfiConverterDouble.write(value.sigmaDeg, into: &buf)
     }
@@ -2395,14 +2399,14 @@ fileprivate struct FfiConverterTypeFoundDeclination: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeFoundDeclination_lift(_ buf: RustBuffer) throws -> FoundDeclination {
+fileprivate func FfiConverterTypeFoundDeclination_lift(_ buf: RustBuffer) throws -> Compass.FoundDeclination {
     return try FfiConverterTypeFoundDeclination.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeFoundDeclination_lower(_ value: FoundDeclination) -> RustBuffer {
+fileprivate func FfiConverterTypeFoundDeclination_lower(_ value: Compass.FoundDeclination) -> RustBuffer {
     return FfiConverterTypeFoundDeclination.lower(value)
 }
 
@@ -2414,11 +2418,11 @@ fileprivate func FfiConverterTypeFoundDeclination_lower(_ value: FoundDeclinatio
     /**
      * The axis whose heading it is. Default `Auto`.
      */
-    public var axis: ReferenceAxis?
+    public var axis: HeadingFrame.ReferenceAxis?
     /**
      * How the screen's content is turned against the device. Default `Deg0`, not at all.
      */
-    public var screenRotation: ScreenRotation?
+    public var screenRotation: HeadingFrame.ScreenRotation?
     /**
      * Declination, degrees, east positive, -180 to 180: gives `trueHeadingDeg`. Default none.
      */
@@ -2433,10 +2437,10 @@ fileprivate func FfiConverterTypeFoundDeclination_lower(_ value: FoundDeclinatio
     public init(
         /**
          * The axis whose heading it is. Default `Auto`.
-         */axis: ReferenceAxis? = nil,
+         */axis: HeadingFrame.ReferenceAxis? = nil,
         /**
          * How the screen's content is turned against the device. Default `Deg0`, not at all.
-         */screenRotation: ScreenRotation? = nil,
+         */screenRotation: HeadingFrame.ScreenRotation? = nil,
         /**
          * Declination, degrees, east positive, -180 to 180: gives `trueHeadingDeg`. Default none.
          */declinationDeg: Double? = nil,
@@ -2503,11 +2507,11 @@ public struct HeadingFrame: Equatable, Hashable, Codable {
     /**
      * The axis whose heading it is.
      */
-    public var axis: ReferenceAxis
+    public var axis: HeadingFrame.ReferenceAxis
     /**
      * How the screen's content is turned against the device's natural orientation.
      */
-    public var screenRotation: ScreenRotation
+    public var screenRotation: HeadingFrame.ScreenRotation
     /**
      * Declination, degrees, east positive, -180 to 180: gives `trueHeadingDeg`. None: no true heading.
      */
@@ -2518,10 +2522,10 @@ public struct HeadingFrame: Equatable, Hashable, Codable {
     public init(
         /**
          * The axis whose heading it is.
-         */axis: ReferenceAxis,
+         */axis: HeadingFrame.ReferenceAxis,
         /**
          * How the screen's content is turned against the device's natural orientation.
-         */screenRotation: ScreenRotation,
+         */screenRotation: HeadingFrame.ScreenRotation,
         /**
          * Declination, degrees, east positive, -180 to 180: gives `trueHeadingDeg`. None: no true heading.
          */declinationDeg: Double? = nil) {
@@ -2575,74 +2579,76 @@ fileprivate func FfiConverterTypeHeadingFrame_lower(_ value: HeadingFrame) -> Ru
 }
 
 
-/**
- * A heading that something else than the magnetometer knows: a GNSS course, a landmark that the user tapped, a corridor of a map.
- */
-public struct HeadingSample: Equatable, Hashable, Codable {
+extension SensorSample {
     /**
-     * When it was true, nanoseconds, on the magnetometer's clock: up to 5 s before the latest magnetometer sample.
+     * A heading that something else than the magnetometer knows: a GNSS course, a landmark that the user tapped, a corridor of a map.
      */
-    public var timeNs: Int64
-    /**
-     * Degrees clockwise from north, -360 to 360.
-     */
-    public var headingDeg: Double
-    /**
-     * One standard deviation, degrees, above 0 and up to 180. Errors are taken to last for 10 s: ten headings within one second
-     * tell little more than one.
-     */
-    public var sigmaDeg: Double
-    /**
-     * Which north.
-     */
-    public var reference: NorthReference
-    /**
-     * What points there.
-     */
-    public var axis: HeadedAxis
-
-    // Default memberwise initializers are never public by default, so we
-    // declare one manually.
-    public init(
+    public struct Heading: Equatable, Hashable, Codable {
         /**
          * When it was true, nanoseconds, on the magnetometer's clock: up to 5 s before the latest magnetometer sample.
-         */timeNs: Int64,
+         */
+        public var timeNs: Int64
         /**
          * Degrees clockwise from north, -360 to 360.
-         */headingDeg: Double,
+         */
+        public var headingDeg: Double
         /**
          * One standard deviation, degrees, above 0 and up to 180. Errors are taken to last for 10 s: ten headings within one second
          * tell little more than one.
-         */sigmaDeg: Double,
+         */
+        public var sigmaDeg: Double
         /**
          * Which north.
-         */reference: NorthReference,
+         */
+        public var reference: CompassHeading.NorthReference
         /**
          * What points there.
-         */axis: HeadedAxis) {
-        self.timeNs = timeNs
-        self.headingDeg = headingDeg
-        self.sigmaDeg = sigmaDeg
-        self.reference = reference
-        self.axis = axis
+         */
+        public var axis: SensorSample.HeadedAxis
+
+        // Default memberwise initializers are never public by default, so we
+        // declare one manually.
+        public init(
+            /**
+             * When it was true, nanoseconds, on the magnetometer's clock: up to 5 s before the latest magnetometer sample.
+             */timeNs: Int64,
+            /**
+             * Degrees clockwise from north, -360 to 360.
+             */headingDeg: Double,
+            /**
+             * One standard deviation, degrees, above 0 and up to 180. Errors are taken to last for 10 s: ten headings within one second
+             * tell little more than one.
+             */sigmaDeg: Double,
+            /**
+             * Which north.
+             */reference: CompassHeading.NorthReference,
+            /**
+             * What points there.
+             */axis: SensorSample.HeadedAxis) {
+            self.timeNs = timeNs
+            self.headingDeg = headingDeg
+            self.sigmaDeg = sigmaDeg
+            self.reference = reference
+            self.axis = axis
+        }
+
+
+
+
     }
-
-
-
-
 }
 
 #if compiler(>=6)
-extension HeadingSample: Sendable {}
+extension SensorSample.Heading: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeHeadingSample: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> HeadingSample {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SensorSample.Heading {
         return
-            try HeadingSample(
+            try SensorSample.Heading(
                 timeNs: FfiConverterInt64.read(from: &buf),
                 headingDeg: FfiConverterDouble.read(from: &buf),
                 sigmaDeg: FfiConverterDouble.read(from: &buf),
@@ -2651,7 +2657,7 @@ fileprivate struct FfiConverterTypeHeadingSample: FfiConverterRustBuffer {
         )
     }
 
-    public static func write(_ value: HeadingSample, into buf: inout [UInt8]) {
+    public static func write(_ value: SensorSample.Heading, into buf: inout [UInt8]) {
         FfiConverterInt64.write(value.timeNs, into: &buf)
         FfiConverterDouble.write(value.headingDeg, into: &buf)
         FfiConverterDouble.write(value.sigmaDeg, into: &buf)
@@ -2664,14 +2670,14 @@ fileprivate struct FfiConverterTypeHeadingSample: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeHeadingSample_lift(_ buf: RustBuffer) throws -> HeadingSample {
+fileprivate func FfiConverterTypeHeadingSample_lift(_ buf: RustBuffer) throws -> SensorSample.Heading {
     return try FfiConverterTypeHeadingSample.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeHeadingSample_lower(_ value: HeadingSample) -> RustBuffer {
+fileprivate func FfiConverterTypeHeadingSample_lower(_ value: SensorSample.Heading) -> RustBuffer {
     return FfiConverterTypeHeadingSample.lower(value)
 }
 
@@ -2695,7 +2701,7 @@ public struct MagneticReading: Equatable, Hashable, Codable {
     /**
      * The estimator's own, smoother estimate of the same vector, microtesla; the heading comes from it. None where it has none.
      */
-    public var filteredFieldUt: DeviceVector?
+    @_spi(Research) public var filteredFieldUt: DeviceVector?
     /**
      * Length of `fieldUt`, microtesla. None where that is not known.
      */
@@ -2711,11 +2717,11 @@ public struct MagneticReading: Equatable, Hashable, Codable {
     /**
      * Uniformity sigma_T of the latest orientations, 0 to about 1, dimensionless. None until there are enough of them and a calibration.
      */
-    public var sigmaT: Double?
+    @_spi(Research) public var sigmaT: Double?
     /**
      * Samples in the window of the estimator.
      */
-    public var window: Int
+    @_spi(Research) public var window: Int
     /**
      * Share of the directions seen in that window, 0 to 1.
      */
@@ -2723,11 +2729,11 @@ public struct MagneticReading: Equatable, Hashable, Codable {
     /**
      * Predicted rms error of a corrected direction by the parameters in force, over all directions, degrees. None when it is not known.
      */
-    public var directionSigmaDeg: Double?
+    @_spi(Research) public var directionSigmaDeg: Double?
     /**
      * The same for the one combination of parameters that is known worst, degrees. It is large where the directions seen do not determine the parameters, also where `sigmaT` does not show that. Adaptive method only. None when it is not known.
      */
-    public var worstSigmaDeg: Double?
+    @_spi(Research) public var worstSigmaDeg: Double?
     /**
      * Which parameters the latest change set free. Adaptive method only. None when it is not known.
      */
@@ -2735,11 +2741,11 @@ public struct MagneticReading: Equatable, Hashable, Codable {
     /**
      * By how much the operating system's own hard-iron estimate jumped with this sample, microtesla. A jump means that the operating system has recalibrated; the raw field has not changed. None when it did not jump or is not reported.
      */
-    public var reportedHardIronJumpUt: Double?
+    @_spi(Research) public var reportedHardIronJumpUt: Double?
     /**
      * The sensors the estimator runs on.
      */
-    public var mode: SensorMode
+    @_spi(Research) public var mode: MagneticReading.SensorMode
     /**
      * The latest change that was decided, kept until the next. None before the first.
      */
@@ -2796,7 +2802,7 @@ public struct MagneticReading: Equatable, Hashable, Codable {
          */reportedHardIronJumpUt: Double?,
         /**
          * The sensors the estimator runs on.
-         */mode: SensorMode,
+         */mode: MagneticReading.SensorMode,
         /**
          * The latest change that was decided, kept until the next. None before the first.
          */event: FieldEvent?,
@@ -2895,67 +2901,69 @@ fileprivate func FfiConverterTypeMagneticReading_lower(_ value: MagneticReading)
 }
 
 
-/**
- * One raw magnetometer event.
- */
-public struct MagneticSample: Equatable, Hashable, Codable {
+extension SensorSample {
     /**
-     * Time of the event, nanoseconds, strictly increasing from one sample to the next.
+     * One raw magnetometer event.
      */
-    public var timeNs: Int64
-    /**
-     * Raw (uncalibrated) field, microtesla, device frame.
-     */
-    public var fieldUt: DeviceVector
-    /**
-     * The operating system's own estimate of the hard iron, microtesla (Android: values 3 to 5 of the uncalibrated
-     * event). A jump in it shows in `MagneticReading.reportedHardIronJumpUt`; `CompensationConfig.useReportedHardIron` makes it
-     * the first calibration.
-     */
-    public var reportedHardIronUt: DeviceVector?
-
-    // Default memberwise initializers are never public by default, so we
-    // declare one manually.
-    public init(
+    public struct Magnetic: Equatable, Hashable, Codable {
         /**
          * Time of the event, nanoseconds, strictly increasing from one sample to the next.
-         */timeNs: Int64,
+         */
+        public var timeNs: Int64
         /**
          * Raw (uncalibrated) field, microtesla, device frame.
-         */fieldUt: DeviceVector,
+         */
+        public var fieldUt: DeviceVector
         /**
          * The operating system's own estimate of the hard iron, microtesla (Android: values 3 to 5 of the uncalibrated
          * event). A jump in it shows in `MagneticReading.reportedHardIronJumpUt`; `CompensationConfig.useReportedHardIron` makes it
          * the first calibration.
-         */reportedHardIronUt: DeviceVector? = nil) {
-        self.timeNs = timeNs
-        self.fieldUt = fieldUt
-        self.reportedHardIronUt = reportedHardIronUt
+         */
+        public var reportedHardIronUt: DeviceVector?
+
+        // Default memberwise initializers are never public by default, so we
+        // declare one manually.
+        public init(
+            /**
+             * Time of the event, nanoseconds, strictly increasing from one sample to the next.
+             */timeNs: Int64,
+            /**
+             * Raw (uncalibrated) field, microtesla, device frame.
+             */fieldUt: DeviceVector,
+            /**
+             * The operating system's own estimate of the hard iron, microtesla (Android: values 3 to 5 of the uncalibrated
+             * event). A jump in it shows in `MagneticReading.reportedHardIronJumpUt`; `CompensationConfig.useReportedHardIron` makes it
+             * the first calibration.
+             */reportedHardIronUt: DeviceVector? = nil) {
+            self.timeNs = timeNs
+            self.fieldUt = fieldUt
+            self.reportedHardIronUt = reportedHardIronUt
+        }
+
+
+
+
     }
-
-
-
-
 }
 
 #if compiler(>=6)
-extension MagneticSample: Sendable {}
+extension SensorSample.Magnetic: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeMagneticSample: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> MagneticSample {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SensorSample.Magnetic {
         return
-            try MagneticSample(
+            try SensorSample.Magnetic(
                 timeNs: FfiConverterInt64.read(from: &buf),
                 fieldUt: FfiConverterTypeDeviceVector.read(from: &buf),
                 reportedHardIronUt: FfiConverterOptionTypeDeviceVector.read(from: &buf)
         )
     }
 
-    public static func write(_ value: MagneticSample, into buf: inout [UInt8]) {
+    public static func write(_ value: SensorSample.Magnetic, into buf: inout [UInt8]) {
         FfiConverterInt64.write(value.timeNs, into: &buf)
         FfiConverterTypeDeviceVector.write(value.fieldUt, into: &buf)
         FfiConverterOptionTypeDeviceVector.write(value.reportedHardIronUt, into: &buf)
@@ -2966,14 +2974,14 @@ fileprivate struct FfiConverterTypeMagneticSample: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeMagneticSample_lift(_ buf: RustBuffer) throws -> MagneticSample {
+fileprivate func FfiConverterTypeMagneticSample_lift(_ buf: RustBuffer) throws -> SensorSample.Magnetic {
     return try FfiConverterTypeMagneticSample.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeMagneticSample_lower(_ value: MagneticSample) -> RustBuffer {
+fileprivate func FfiConverterTypeMagneticSample_lower(_ value: SensorSample.Magnetic) -> RustBuffer {
     return FfiConverterTypeMagneticSample.lower(value)
 }
 
@@ -3057,54 +3065,56 @@ fileprivate func FfiConverterTypeMagnetometerCalibration_lower(_ value: Magnetom
 }
 
 
-/**
- * One gyroscope event.
- */
-public struct RotationRateSample: Equatable, Hashable, Codable {
+extension SensorSample {
     /**
-     * Time of the event, nanoseconds, on the magnetometer's clock.
+     * One gyroscope event.
      */
-    public var timeNs: Int64
-    /**
-     * Angular rate of the device, rad/s, device frame, counter-clockwise positive.
-     */
-    public var rateRadS: DeviceVector
-
-    // Default memberwise initializers are never public by default, so we
-    // declare one manually.
-    public init(
+    public struct RotationRate: Equatable, Hashable, Codable {
         /**
          * Time of the event, nanoseconds, on the magnetometer's clock.
-         */timeNs: Int64,
+         */
+        public var timeNs: Int64
         /**
          * Angular rate of the device, rad/s, device frame, counter-clockwise positive.
-         */rateRadS: DeviceVector) {
-        self.timeNs = timeNs
-        self.rateRadS = rateRadS
+         */
+        public var rateRadS: DeviceVector
+
+        // Default memberwise initializers are never public by default, so we
+        // declare one manually.
+        public init(
+            /**
+             * Time of the event, nanoseconds, on the magnetometer's clock.
+             */timeNs: Int64,
+            /**
+             * Angular rate of the device, rad/s, device frame, counter-clockwise positive.
+             */rateRadS: DeviceVector) {
+            self.timeNs = timeNs
+            self.rateRadS = rateRadS
+        }
+
+
+
+
     }
-
-
-
-
 }
 
 #if compiler(>=6)
-extension RotationRateSample: Sendable {}
+extension SensorSample.RotationRate: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeRotationRateSample: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> RotationRateSample {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SensorSample.RotationRate {
         return
-            try RotationRateSample(
+            try SensorSample.RotationRate(
                 timeNs: FfiConverterInt64.read(from: &buf),
                 rateRadS: FfiConverterTypeDeviceVector.read(from: &buf)
         )
     }
 
-    public static func write(_ value: RotationRateSample, into buf: inout [UInt8]) {
+    public static func write(_ value: SensorSample.RotationRate, into buf: inout [UInt8]) {
         FfiConverterInt64.write(value.timeNs, into: &buf)
         FfiConverterTypeDeviceVector.write(value.rateRadS, into: &buf)
     }
@@ -3114,14 +3124,14 @@ fileprivate struct FfiConverterTypeRotationRateSample: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeRotationRateSample_lift(_ buf: RustBuffer) throws -> RotationRateSample {
+fileprivate func FfiConverterTypeRotationRateSample_lift(_ buf: RustBuffer) throws -> SensorSample.RotationRate {
     return try FfiConverterTypeRotationRateSample.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeRotationRateSample_lower(_ value: RotationRateSample) -> RustBuffer {
+fileprivate func FfiConverterTypeRotationRateSample_lower(_ value: SensorSample.RotationRate) -> RustBuffer {
     return FfiConverterTypeRotationRateSample.lower(value)
 }
 
@@ -3235,54 +3245,56 @@ fileprivate func FfiConverterTypeSoftIron_lower(_ value: SoftIron) -> RustBuffer
 }
 
 
-/**
- * One accelerometer or gravity event.
- */
-public struct UpSample: Equatable, Hashable, Codable {
+extension SensorSample {
     /**
-     * Time of the event, nanoseconds, on the magnetometer's clock.
+     * One accelerometer or gravity event.
      */
-    public var timeNs: Int64
-    /**
-     * What an accelerometer at rest reads: pointing up, m/s^2, device frame (Android's sign; iOS's gravity flipped).
-     */
-    public var upMS2: DeviceVector
-
-    // Default memberwise initializers are never public by default, so we
-    // declare one manually.
-    public init(
+    public struct Up: Equatable, Hashable, Codable {
         /**
          * Time of the event, nanoseconds, on the magnetometer's clock.
-         */timeNs: Int64,
+         */
+        public var timeNs: Int64
         /**
          * What an accelerometer at rest reads: pointing up, m/s^2, device frame (Android's sign; iOS's gravity flipped).
-         */upMS2: DeviceVector) {
-        self.timeNs = timeNs
-        self.upMS2 = upMS2
+         */
+        public var upMS2: DeviceVector
+
+        // Default memberwise initializers are never public by default, so we
+        // declare one manually.
+        public init(
+            /**
+             * Time of the event, nanoseconds, on the magnetometer's clock.
+             */timeNs: Int64,
+            /**
+             * What an accelerometer at rest reads: pointing up, m/s^2, device frame (Android's sign; iOS's gravity flipped).
+             */upMS2: DeviceVector) {
+            self.timeNs = timeNs
+            self.upMS2 = upMS2
+        }
+
+
+
+
     }
-
-
-
-
 }
 
 #if compiler(>=6)
-extension UpSample: Sendable {}
+extension SensorSample.Up: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeUpSample: FfiConverterRustBuffer {
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> UpSample {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SensorSample.Up {
         return
-            try UpSample(
+            try SensorSample.Up(
                 timeNs: FfiConverterInt64.read(from: &buf),
                 upMS2: FfiConverterTypeDeviceVector.read(from: &buf)
         )
     }
 
-    public static func write(_ value: UpSample, into buf: inout [UInt8]) {
+    public static func write(_ value: SensorSample.Up, into buf: inout [UInt8]) {
         FfiConverterInt64.write(value.timeNs, into: &buf)
         FfiConverterTypeDeviceVector.write(value.upMS2, into: &buf)
     }
@@ -3292,14 +3304,14 @@ fileprivate struct FfiConverterTypeUpSample: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeUpSample_lift(_ buf: RustBuffer) throws -> UpSample {
+fileprivate func FfiConverterTypeUpSample_lift(_ buf: RustBuffer) throws -> SensorSample.Up {
     return try FfiConverterTypeUpSample.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeUpSample_lower(_ value: UpSample) -> RustBuffer {
+fileprivate func FfiConverterTypeUpSample_lower(_ value: SensorSample.Up) -> RustBuffer {
     return FfiConverterTypeUpSample.lower(value)
 }
 
@@ -3413,57 +3425,59 @@ fileprivate func FfiConverterTypeWindowedConfig_lower(_ value: WindowedConfig) -
 }
 
 
-/**
- * What a first calibration still lacks.
- */
-
-public enum CollectingReason: Equatable, Hashable, Codable {
-
+extension CompensationStatus {
     /**
-     * Too few samples for a first fit.
+     * What a first calibration still lacks.
      */
-    case samples(
+
+    public enum CollectingReason: Equatable, Hashable, Codable {
+
         /**
-         * Samples so far.
-         */have: Int,
+         * Too few samples for a first fit.
+         */
+        case samples(
+            /**
+             * Samples so far.
+             */have: Int,
+            /**
+             * Samples needed.
+             */need: Int
+        )
         /**
-         * Samples needed.
-         */need: Int
-    )
-    /**
-     * The samples allow no fit; the problem is named.
-     */
-    case fit(
+         * The samples allow no fit; the problem is named.
+         */
+        case fit(
+            /**
+             * Why.
+             */problem: CompensationStatus.FitProblem
+        )
         /**
-         * Why.
-         */problem: FitProblem
-    )
-    /**
-     * The device was hardly turned.
-     */
-    case rotation
-    /**
-     * The device was turned, but not about enough axes.
-     */
-    case directions
+         * The device was hardly turned.
+         */
+        case rotation
+        /**
+         * The device was turned, but not about enough axes.
+         */
+        case directions
 
 
 
 
 
+    }
 }
 
 #if compiler(>=6)
-extension CollectingReason: Sendable {}
+extension CompensationStatus.CollectingReason: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeCollectingReason: FfiConverterRustBuffer {
-    typealias SwiftType = CollectingReason
+    typealias SwiftType = CompensationStatus.CollectingReason
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> CollectingReason {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> CompensationStatus.CollectingReason {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
@@ -3481,7 +3495,7 @@ fileprivate struct FfiConverterTypeCollectingReason: FfiConverterRustBuffer {
         }
     }
 
-    public static func write(_ value: CollectingReason, into buf: inout [UInt8]) {
+    public static func write(_ value: CompensationStatus.CollectingReason, into buf: inout [UInt8]) {
         switch value {
 
 
@@ -3511,14 +3525,14 @@ fileprivate struct FfiConverterTypeCollectingReason: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeCollectingReason_lift(_ buf: RustBuffer) throws -> CollectingReason {
+fileprivate func FfiConverterTypeCollectingReason_lift(_ buf: RustBuffer) throws -> CompensationStatus.CollectingReason {
     return try FfiConverterTypeCollectingReason.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeCollectingReason_lower(_ value: CollectingReason) -> RustBuffer {
+fileprivate func FfiConverterTypeCollectingReason_lower(_ value: CompensationStatus.CollectingReason) -> RustBuffer {
     return FfiConverterTypeCollectingReason.lower(value)
 }
 
@@ -3641,7 +3655,7 @@ public enum CompensationStatus: Equatable, Hashable, Codable {
     case collecting(
         /**
          * What is still missing.
-         */missing: CollectingReason
+         */missing: CompensationStatus.CollectingReason
     )
     /**
      * Calibrated, and following changes.
@@ -3661,7 +3675,7 @@ public enum CompensationStatus: Equatable, Hashable, Codable {
     case held(
         /**
          * Why nothing is learned at the moment.
-         */reason: HoldReason
+         */reason: CompensationStatus.HoldReason
     )
     /**
      * The place is disturbed, not the device: the calibration is kept, and after 30 s learned on in the field of that place.
@@ -3677,7 +3691,7 @@ public enum CompensationStatus: Equatable, Hashable, Codable {
     case rejected(
         /**
          * Why it was not used.
-         */reason: RejectReason
+         */reason: CompensationStatus.RejectReason
     )
 
 
@@ -3798,42 +3812,44 @@ fileprivate func FfiConverterTypeCompensationStatus_lower(_ value: CompensationS
 
 
 
-/**
- * An axis of the device.
- */
-
-public enum DeviceAxis: Equatable, Hashable, Codable {
-
+extension DeviceVector {
     /**
-     * Along the screen, to the right.
+     * An axis of the device.
      */
-    case x
-    /**
-     * Along the screen, up.
-     */
-    case y
-    /**
-     * Out of the screen.
-     */
-    case z
+
+    public enum Axis: Equatable, Hashable, Codable {
+
+        /**
+         * Along the screen, to the right.
+         */
+        case x
+        /**
+         * Along the screen, up.
+         */
+        case y
+        /**
+         * Out of the screen.
+         */
+        case z
 
 
 
 
 
+    }
 }
 
 #if compiler(>=6)
-extension DeviceAxis: Sendable {}
+extension DeviceVector.Axis: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeDeviceAxis: FfiConverterRustBuffer {
-    typealias SwiftType = DeviceAxis
+    typealias SwiftType = DeviceVector.Axis
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> DeviceAxis {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> DeviceVector.Axis {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
@@ -3847,7 +3863,7 @@ fileprivate struct FfiConverterTypeDeviceAxis: FfiConverterRustBuffer {
         }
     }
 
-    public static func write(_ value: DeviceAxis, into buf: inout [UInt8]) {
+    public static func write(_ value: DeviceVector.Axis, into buf: inout [UInt8]) {
         switch value {
 
 
@@ -3870,58 +3886,60 @@ fileprivate struct FfiConverterTypeDeviceAxis: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeDeviceAxis_lift(_ buf: RustBuffer) throws -> DeviceAxis {
+fileprivate func FfiConverterTypeDeviceAxis_lift(_ buf: RustBuffer) throws -> DeviceVector.Axis {
     return try FfiConverterTypeDeviceAxis.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeDeviceAxis_lower(_ value: DeviceAxis) -> RustBuffer {
+fileprivate func FfiConverterTypeDeviceAxis_lower(_ value: DeviceVector.Axis) -> RustBuffer {
     return FfiConverterTypeDeviceAxis.lower(value)
 }
 
 
 
-/**
- * Why a gyroscope, accelerometer or gravity event was not used; nothing has changed.
- */
+extension MagcompError {
+    /**
+     * Why a gyroscope, accelerometer or gravity event was not used; nothing has changed.
+     */
 
-public enum EventRejection: Equatable, Hashable, Codable {
+    public enum EventRejection: Equatable, Hashable, Codable {
 
-    /**
-     * A component is NaN or infinite.
-     */
-    case notFinite
-    /**
-     * Beyond anything the sensor can read.
-     */
-    case outOfRange
-    /**
-     * At or before a magnetometer sample already answered. Of a heading: more than 5 s old, or not after the latest one that was used.
-     */
-    case late
-    /**
-     * An event with this very time is there already.
-     */
-    case duplicate
-    /**
-     * So far ahead of the magnetometer that it must be from another clock.
-     */
-    case ahead
+        /**
+         * A component is NaN or infinite.
+         */
+        case notFinite
+        /**
+         * Beyond anything the sensor can read.
+         */
+        case outOfRange
+        /**
+         * At or before a magnetometer sample already answered. Of a heading: more than 5 s old, or not after the latest one that was used.
+         */
+        case late
+        /**
+         * An event with this very time is there already.
+         */
+        case duplicate
+        /**
+         * So far ahead of the magnetometer that it must be from another clock.
+         */
+        case ahead
 
 
 
-    /**
-     * One sentence for a log.
-     */
-public var text: String  {
-    return try!  FfiConverterString.lift(try! rustCall() {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_eventrejection_text(
-            FfiConverterTypeEventRejection_lower(self),uniffiCallStatus
-    )
-})
+        /**
+         * One sentence for a log.
+         */
+    public var text: String  {
+        return try!  FfiConverterString.lift(try! rustCall() {
+            uniffiCallStatus in
+        uniffi_magcomp_ffi_fn_method_eventrejection_text(
+                FfiConverterTypeEventRejection_lower(self),uniffiCallStatus
+        )
+    })
+    }
 }
 
 
@@ -3929,16 +3947,16 @@ public var text: String  {
 }
 
 #if compiler(>=6)
-extension EventRejection: Sendable {}
+extension MagcompError.EventRejection: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeEventRejection: FfiConverterRustBuffer {
-    typealias SwiftType = EventRejection
+    typealias SwiftType = MagcompError.EventRejection
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> EventRejection {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> MagcompError.EventRejection {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
@@ -3956,7 +3974,7 @@ fileprivate struct FfiConverterTypeEventRejection: FfiConverterRustBuffer {
         }
     }
 
-    public static func write(_ value: EventRejection, into buf: inout [UInt8]) {
+    public static func write(_ value: MagcompError.EventRejection, into buf: inout [UInt8]) {
         switch value {
 
 
@@ -3987,55 +4005,57 @@ fileprivate struct FfiConverterTypeEventRejection: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeEventRejection_lift(_ buf: RustBuffer) throws -> EventRejection {
+fileprivate func FfiConverterTypeEventRejection_lift(_ buf: RustBuffer) throws -> MagcompError.EventRejection {
     return try FfiConverterTypeEventRejection.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeEventRejection_lower(_ value: EventRejection) -> RustBuffer {
+fileprivate func FfiConverterTypeEventRejection_lower(_ value: MagcompError.EventRejection) -> RustBuffer {
     return FfiConverterTypeEventRejection.lower(value)
 }
 
 
 
-/**
- * What changed.
- */
-
-public enum FieldEventKind: Equatable, Hashable, Codable {
-
+extension FieldEvent {
     /**
-     * The device's own disturbance changed (a magnet or cover was put on or taken off), and was relearned.
+     * What changed.
      */
-    case deviceStep
-    /**
-     * The device is as it was before; that calibration was restored.
-     */
-    case deviceStepBack
-    /**
-     * The field of the place changed; the calibration is held.
-     */
-    case placeChanged
+
+    public enum Kind: Equatable, Hashable, Codable {
+
+        /**
+         * The device's own disturbance changed (a magnet or cover was put on or taken off), and was relearned.
+         */
+        case deviceStep
+        /**
+         * The device is as it was before; that calibration was restored.
+         */
+        case deviceStepBack
+        /**
+         * The field of the place changed; the calibration is held.
+         */
+        case placeChanged
 
 
 
 
 
+    }
 }
 
 #if compiler(>=6)
-extension FieldEventKind: Sendable {}
+extension FieldEvent.Kind: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeFieldEventKind: FfiConverterRustBuffer {
-    typealias SwiftType = FieldEventKind
+    typealias SwiftType = FieldEvent.Kind
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> FieldEventKind {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> FieldEvent.Kind {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
@@ -4049,7 +4069,7 @@ fileprivate struct FfiConverterTypeFieldEventKind: FfiConverterRustBuffer {
         }
     }
 
-    public static func write(_ value: FieldEventKind, into buf: inout [UInt8]) {
+    public static func write(_ value: FieldEvent.Kind, into buf: inout [UInt8]) {
         switch value {
 
 
@@ -4072,98 +4092,100 @@ fileprivate struct FfiConverterTypeFieldEventKind: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeFieldEventKind_lift(_ buf: RustBuffer) throws -> FieldEventKind {
+fileprivate func FfiConverterTypeFieldEventKind_lift(_ buf: RustBuffer) throws -> FieldEvent.Kind {
     return try FfiConverterTypeFieldEventKind.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeFieldEventKind_lower(_ value: FieldEventKind) -> RustBuffer {
+fileprivate func FfiConverterTypeFieldEventKind_lower(_ value: FieldEvent.Kind) -> RustBuffer {
     return FfiConverterTypeFieldEventKind.lower(value)
 }
 
 
 
-/**
- * Why there is no ellipsoid to report.
- */
+extension CompensationStatus {
+    /**
+     * Why there is no ellipsoid to report.
+     */
 
-public enum FitProblem: Equatable, Hashable, Codable {
+    public enum FitProblem: Equatable, Hashable, Codable {
 
-    /**
-     * Fewer samples than the nine parameters.
-     */
-    case tooFewSamples(
         /**
-         * How many there are.
-         */have: Int
-    )
-    /**
-     * All samples lie near one plane.
-     */
-    case planar(
+         * Fewer samples than the nine parameters.
+         */
+        case tooFewSamples(
+            /**
+             * How many there are.
+             */have: Int
+        )
         /**
-         * Standard deviation of the samples across their thinnest direction, microtesla.
-         */thicknessUt: Double
-    )
-    /**
-     * The directions seen leave too large an error.
-     */
-    case poorCoverage(
+         * All samples lie near one plane.
+         */
+        case planar(
+            /**
+             * Standard deviation of the samples across their thinnest direction, microtesla.
+             */thicknessUt: Double
+        )
         /**
-         * Predicted rms direction error, degrees.
-         */directionSigmaDeg: Double,
+         * The directions seen leave too large an error.
+         */
+        case poorCoverage(
+            /**
+             * Predicted rms direction error, degrees.
+             */directionSigmaDeg: Double,
+            /**
+             * The limit it exceeds, degrees.
+             */limitDeg: Double
+        )
         /**
-         * The limit it exceeds, degrees.
-         */limitDeg: Double
-    )
-    /**
-     * The samples do not lie on one ellipsoid: the disturbance or the place changed meanwhile.
-     */
-    case inconsistent(
+         * The samples do not lie on one ellipsoid: the disturbance or the place changed meanwhile.
+         */
+        case inconsistent(
+            /**
+             * Residual rms, microtesla.
+             */residualUt: Double,
+            /**
+             * The limit it exceeds, microtesla.
+             */limitUt: Double
+        )
         /**
-         * Residual rms, microtesla.
-         */residualUt: Double,
+         * A surface that is no ellipsoid fits best.
+         */
+        case notAnEllipsoid
         /**
-         * The limit it exceeds, microtesla.
-         */limitUt: Double
-    )
-    /**
-     * A surface that is no ellipsoid fits best.
-     */
-    case notAnEllipsoid
-    /**
-     * The field is too weak or too strong to be the Earth's. Is the unit microtesla?
-     */
-    case fieldOutOfRange(
+         * The field is too weak or too strong to be the Earth's. Is the unit microtesla?
+         */
+        case fieldOutOfRange(
+            /**
+             * Strength found, microtesla: the geometric mean of the half axes, or |m| with the gyroscope.
+             */fieldUt: Double,
+            /**
+             * Smallest accepted, microtesla.
+             */lowUt: Double,
+            /**
+             * Largest accepted, microtesla.
+             */highUt: Double
+        )
         /**
-         * Strength found, microtesla: the geometric mean of the half axes, or |m| with the gyroscope.
-         */fieldUt: Double,
-        /**
-         * Smallest accepted, microtesla.
-         */lowUt: Double,
-        /**
-         * Largest accepted, microtesla.
-         */highUt: Double
-    )
-    /**
-     * A sample was NaN or infinite, or the numbers overflowed. Leave such values out.
-     */
-    case notFinite
+         * A sample was NaN or infinite, or the numbers overflowed. Leave such values out.
+         */
+        case notFinite
 
 
 
-    /**
-     * One sentence an app may show.
-     */
-public var text: String  {
-    return try!  FfiConverterString.lift(try! rustCall() {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_fitproblem_text(
-            FfiConverterTypeFitProblem_lower(self),uniffiCallStatus
-    )
-})
+        /**
+         * One sentence an app may show.
+         */
+    public var text: String  {
+        return try!  FfiConverterString.lift(try! rustCall() {
+            uniffiCallStatus in
+        uniffi_magcomp_ffi_fn_method_fitproblem_text(
+                FfiConverterTypeFitProblem_lower(self),uniffiCallStatus
+        )
+    })
+    }
 }
 
 
@@ -4171,16 +4193,16 @@ public var text: String  {
 }
 
 #if compiler(>=6)
-extension FitProblem: Sendable {}
+extension CompensationStatus.FitProblem: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeFitProblem: FfiConverterRustBuffer {
-    typealias SwiftType = FitProblem
+    typealias SwiftType = CompensationStatus.FitProblem
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> FitProblem {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> CompensationStatus.FitProblem {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
@@ -4207,7 +4229,7 @@ fileprivate struct FfiConverterTypeFitProblem: FfiConverterRustBuffer {
         }
     }
 
-    public static func write(_ value: FitProblem, into buf: inout [UInt8]) {
+    public static func write(_ value: CompensationStatus.FitProblem, into buf: inout [UInt8]) {
         switch value {
 
 
@@ -4255,14 +4277,14 @@ fileprivate struct FfiConverterTypeFitProblem: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeFitProblem_lift(_ buf: RustBuffer) throws -> FitProblem {
+fileprivate func FfiConverterTypeFitProblem_lift(_ buf: RustBuffer) throws -> CompensationStatus.FitProblem {
     return try FfiConverterTypeFitProblem.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeFitProblem_lower(_ value: FitProblem) -> RustBuffer {
+fileprivate func FfiConverterTypeFitProblem_lower(_ value: CompensationStatus.FitProblem) -> RustBuffer {
     return FfiConverterTypeFitProblem.lower(value)
 }
 
@@ -4428,43 +4450,45 @@ fileprivate func FfiConverterTypeFitTermination_lower(_ value: FitTermination) -
 
 
 
-/**
- * What a heading from outside is that of.
- */
-
-public enum HeadedAxis: Equatable, Hashable, Codable {
-
+extension SensorSample {
     /**
-     * A direction of the device: the top edge is (0, 1, 0), the back camera (0, 0, -1).
+     * What a heading from outside is that of.
      */
-    case device(
+
+    public enum HeadedAxis: Equatable, Hashable, Codable {
+
         /**
-         * Of any length but 0, device frame.
-         */axis: DeviceVector
-    )
-    /**
-     * A vehicle in which the device lies, turned against it by an angle that does not change: that angle is learned while the vehicle turns.
-     * A device that is moved in its holder is noticed.
-     */
-    case vehicle
+         * A direction of the device: the top edge is (0, 1, 0), the back camera (0, 0, -1).
+         */
+        case device(
+            /**
+             * Of any length but 0, device frame.
+             */axis: DeviceVector
+        )
+        /**
+         * A vehicle in which the device lies, turned against it by an angle that does not change: that angle is learned while the vehicle turns.
+         * A device that is moved in its holder is noticed.
+         */
+        case vehicle
 
 
 
 
 
+    }
 }
 
 #if compiler(>=6)
-extension HeadedAxis: Sendable {}
+extension SensorSample.HeadedAxis: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeHeadedAxis: FfiConverterRustBuffer {
-    typealias SwiftType = HeadedAxis
+    typealias SwiftType = SensorSample.HeadedAxis
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> HeadedAxis {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SensorSample.HeadedAxis {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
@@ -4477,7 +4501,7 @@ fileprivate struct FfiConverterTypeHeadedAxis: FfiConverterRustBuffer {
         }
     }
 
-    public static func write(_ value: HeadedAxis, into buf: inout [UInt8]) {
+    public static func write(_ value: SensorSample.HeadedAxis, into buf: inout [UInt8]) {
         switch value {
 
 
@@ -4497,50 +4521,52 @@ fileprivate struct FfiConverterTypeHeadedAxis: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeHeadedAxis_lift(_ buf: RustBuffer) throws -> HeadedAxis {
+fileprivate func FfiConverterTypeHeadedAxis_lift(_ buf: RustBuffer) throws -> SensorSample.HeadedAxis {
     return try FfiConverterTypeHeadedAxis.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeHeadedAxis_lower(_ value: HeadedAxis) -> RustBuffer {
+fileprivate func FfiConverterTypeHeadedAxis_lower(_ value: SensorSample.HeadedAxis) -> RustBuffer {
     return FfiConverterTypeHeadedAxis.lower(value)
 }
 
 
 
-/**
- * What headings from outside are worth. `text` says it in a sentence.
- */
-
-public enum HeadingAid: Equatable, Hashable, Codable {
-
+extension CompensatedReading {
     /**
-     * They agree with the magnetometer, which knows north at least as well by itself.
+     * What headings from outside are worth. `text` says it in a sentence.
      */
-    case used
-    /**
-     * North is what they say, carried by the gyroscope: the magnetometer knows it less well.
-     */
-    case leads
-    /**
-     * The latest one contradicts what is known, and is ignored.
-     */
-    case disagrees
+
+    public enum HeadingAid: Equatable, Hashable, Codable {
+
+        /**
+         * They agree with the magnetometer, which knows north at least as well by itself.
+         */
+        case used
+        /**
+         * North is what they say, carried by the gyroscope: the magnetometer knows it less well.
+         */
+        case leads
+        /**
+         * The latest one contradicts what is known, and is ignored.
+         */
+        case disagrees
 
 
 
-    /**
-     * One sentence an app may show.
-     */
-public var text: String  {
-    return try!  FfiConverterString.lift(try! rustCall() {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_headingaid_text(
-            FfiConverterTypeHeadingAid_lower(self),uniffiCallStatus
-    )
-})
+        /**
+         * One sentence an app may show.
+         */
+    public var text: String  {
+        return try!  FfiConverterString.lift(try! rustCall() {
+            uniffiCallStatus in
+        uniffi_magcomp_ffi_fn_method_headingaid_text(
+                FfiConverterTypeHeadingAid_lower(self),uniffiCallStatus
+        )
+    })
+    }
 }
 
 
@@ -4548,16 +4574,16 @@ public var text: String  {
 }
 
 #if compiler(>=6)
-extension HeadingAid: Sendable {}
+extension CompensatedReading.HeadingAid: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeHeadingAid: FfiConverterRustBuffer {
-    typealias SwiftType = HeadingAid
+    typealias SwiftType = CompensatedReading.HeadingAid
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> HeadingAid {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> CompensatedReading.HeadingAid {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
@@ -4571,7 +4597,7 @@ fileprivate struct FfiConverterTypeHeadingAid: FfiConverterRustBuffer {
         }
     }
 
-    public static func write(_ value: HeadingAid, into buf: inout [UInt8]) {
+    public static func write(_ value: CompensatedReading.HeadingAid, into buf: inout [UInt8]) {
         switch value {
 
 
@@ -4594,71 +4620,73 @@ fileprivate struct FfiConverterTypeHeadingAid: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeHeadingAid_lift(_ buf: RustBuffer) throws -> HeadingAid {
+fileprivate func FfiConverterTypeHeadingAid_lift(_ buf: RustBuffer) throws -> CompensatedReading.HeadingAid {
     return try FfiConverterTypeHeadingAid.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeHeadingAid_lower(_ value: HeadingAid) -> RustBuffer {
+fileprivate func FfiConverterTypeHeadingAid_lower(_ value: CompensatedReading.HeadingAid) -> RustBuffer {
     return FfiConverterTypeHeadingAid.lower(value)
 }
 
 
 
-/**
- * Why nothing is learned at the moment.
- */
-
-public enum HoldReason: Equatable, Hashable, Codable {
-
+extension CompensationStatus {
     /**
-     * Method `Windowed` alone: sigma_T is below its threshold, the latest orientations are too much alike.
+     * Why nothing is learned at the moment.
      */
-    case lowUniformity
-    /**
-     * The latest fit was refused, or no place on Earth has such a field; the problem is named. Is the sensor's unit microtesla?
-     */
-    case fitRefused(
+
+    public enum HoldReason: Equatable, Hashable, Codable {
+
         /**
-         * What it lacks.
-         */problem: FitProblem
-    )
-    /**
-     * Method `Constant` alone: by choice it follows no changes.
-     */
-    case constant
-    /**
-     * The device lies still; nothing is learned from that.
-     */
-    case atRest
-    /**
-     * The device was hardly turned of late.
-     */
-    case tooLittleRotation
-    /**
-     * The gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second.
-     */
-    case noGyroscope
+         * Method `Windowed` alone: sigma_T is below its threshold, the latest orientations are too much alike.
+         */
+        case lowUniformity
+        /**
+         * The latest fit was refused, or no place on Earth has such a field; the problem is named. Is the sensor's unit microtesla?
+         */
+        case fitRefused(
+            /**
+             * What it lacks.
+             */problem: CompensationStatus.FitProblem
+        )
+        /**
+         * Method `Constant` alone: by choice it follows no changes.
+         */
+        case constant
+        /**
+         * The device lies still; nothing is learned from that.
+         */
+        case atRest
+        /**
+         * The device was hardly turned of late.
+         */
+        case tooLittleRotation
+        /**
+         * The gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second.
+         */
+        case noGyroscope
 
 
 
 
 
+    }
 }
 
 #if compiler(>=6)
-extension HoldReason: Sendable {}
+extension CompensationStatus.HoldReason: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeHoldReason: FfiConverterRustBuffer {
-    typealias SwiftType = HoldReason
+    typealias SwiftType = CompensationStatus.HoldReason
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> HoldReason {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> CompensationStatus.HoldReason {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
@@ -4679,7 +4707,7 @@ fileprivate struct FfiConverterTypeHoldReason: FfiConverterRustBuffer {
         }
     }
 
-    public static func write(_ value: HoldReason, into buf: inout [UInt8]) {
+    public static func write(_ value: CompensationStatus.HoldReason, into buf: inout [UInt8]) {
         switch value {
 
 
@@ -4715,14 +4743,14 @@ fileprivate struct FfiConverterTypeHoldReason: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeHoldReason_lift(_ buf: RustBuffer) throws -> HoldReason {
+fileprivate func FfiConverterTypeHoldReason_lift(_ buf: RustBuffer) throws -> CompensationStatus.HoldReason {
     return try FfiConverterTypeHoldReason.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeHoldReason_lower(_ value: HoldReason) -> RustBuffer {
+fileprivate func FfiConverterTypeHoldReason_lower(_ value: CompensationStatus.HoldReason) -> RustBuffer {
     return FfiConverterTypeHoldReason.lower(value)
 }
 
@@ -4756,7 +4784,7 @@ enum MagcompError: Swift.Error, Equatable, Hashable, Codable {
     case rejected(
         /**
          * Why.
-         */reason: RejectReason
+         */reason: CompensationStatus.RejectReason
     )
     /**
      * A gyroscope, accelerometer or gravity event was not used; nothing has changed.
@@ -4764,7 +4792,7 @@ enum MagcompError: Swift.Error, Equatable, Hashable, Codable {
     case eventRejected(
         /**
          * Why.
-         */reason: EventRejection
+         */reason: MagcompError.EventRejection
     )
     /**
      * There is no fit.
@@ -4772,7 +4800,7 @@ enum MagcompError: Swift.Error, Equatable, Hashable, Codable {
     case fit(
         /**
          * What the samples lack.
-         */problem: FitProblem
+         */problem: CompensationStatus.FitProblem
     )
     /**
      * The numbers are no calibration.
@@ -4967,50 +4995,52 @@ fileprivate func FfiConverterTypeMagcompError_lower(_ value: MagcompError) -> Ru
 }
 
 
-/**
- * Least important message that is still written.
- */
-
-public enum MagcompLogLevel: Equatable, Hashable, Codable {
-
+extension Compensator {
     /**
-     * Nothing.
+     * Least important message that is still written.
      */
-    case off
-    /**
-     * Defects: a caught panic.
-     */
-    case error
-    /**
-     * What an app should know.
-     */
-    case warn
-    /**
-     * What happened.
-     */
-    case info
-    /**
-     * Details.
-     */
-    case debug
+
+    public enum LogLevel: Equatable, Hashable, Codable {
+
+        /**
+         * Nothing.
+         */
+        case off
+        /**
+         * Defects: a caught panic.
+         */
+        case error
+        /**
+         * What an app should know.
+         */
+        case warn
+        /**
+         * What happened.
+         */
+        case info
+        /**
+         * Details.
+         */
+        case debug
 
 
 
 
 
+    }
 }
 
 #if compiler(>=6)
-extension MagcompLogLevel: Sendable {}
+extension Compensator.LogLevel: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeMagcompLogLevel: FfiConverterRustBuffer {
-    typealias SwiftType = MagcompLogLevel
+    typealias SwiftType = Compensator.LogLevel
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> MagcompLogLevel {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> Compensator.LogLevel {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
@@ -5028,7 +5058,7 @@ fileprivate struct FfiConverterTypeMagcompLogLevel: FfiConverterRustBuffer {
         }
     }
 
-    public static func write(_ value: MagcompLogLevel, into buf: inout [UInt8]) {
+    public static func write(_ value: Compensator.LogLevel, into buf: inout [UInt8]) {
         switch value {
 
 
@@ -5059,14 +5089,14 @@ fileprivate struct FfiConverterTypeMagcompLogLevel: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeMagcompLogLevel_lift(_ buf: RustBuffer) throws -> MagcompLogLevel {
+fileprivate func FfiConverterTypeMagcompLogLevel_lift(_ buf: RustBuffer) throws -> Compensator.LogLevel {
     return try FfiConverterTypeMagcompLogLevel.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeMagcompLogLevel_lower(_ value: MagcompLogLevel) -> RustBuffer {
+fileprivate func FfiConverterTypeMagcompLogLevel_lower(_ value: Compensator.LogLevel) -> RustBuffer {
     return FfiConverterTypeMagcompLogLevel.lower(value)
 }
 
@@ -5167,38 +5197,40 @@ fileprivate func FfiConverterTypeModelOrder_lower(_ value: ModelOrder) -> RustBu
 
 
 
-/**
- * The north that a heading counts from.
- */
-
-public enum NorthReference: Equatable, Hashable, Codable {
-
+extension CompassHeading {
     /**
-     * True north, as of maps and GNSS. While no declination is set it is learned from these headings.
+     * The north that a heading counts from.
      */
-    case `true`
-    /**
-     * Magnetic north.
-     */
-    case magnetic
+
+    public enum NorthReference: Equatable, Hashable, Codable {
+
+        /**
+         * True north, as of maps and GNSS. While no declination is set it is learned from these headings.
+         */
+        case `true`
+        /**
+         * Magnetic north.
+         */
+        case magnetic
 
 
 
 
 
+    }
 }
 
 #if compiler(>=6)
-extension NorthReference: Sendable {}
+extension CompassHeading.NorthReference: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeNorthReference: FfiConverterRustBuffer {
-    typealias SwiftType = NorthReference
+    typealias SwiftType = CompassHeading.NorthReference
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> NorthReference {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> CompassHeading.NorthReference {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
@@ -5210,7 +5242,7 @@ fileprivate struct FfiConverterTypeNorthReference: FfiConverterRustBuffer {
         }
     }
 
-    public static func write(_ value: NorthReference, into buf: inout [UInt8]) {
+    public static func write(_ value: CompassHeading.NorthReference, into buf: inout [UInt8]) {
         switch value {
 
 
@@ -5229,55 +5261,57 @@ fileprivate struct FfiConverterTypeNorthReference: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeNorthReference_lift(_ buf: RustBuffer) throws -> NorthReference {
+fileprivate func FfiConverterTypeNorthReference_lift(_ buf: RustBuffer) throws -> CompassHeading.NorthReference {
     return try FfiConverterTypeNorthReference.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeNorthReference_lower(_ value: NorthReference) -> RustBuffer {
+fileprivate func FfiConverterTypeNorthReference_lower(_ value: CompassHeading.NorthReference) -> RustBuffer {
     return FfiConverterTypeNorthReference.lower(value)
 }
 
 
 
-/**
- * The axis of the device whose heading is reported.
- */
-
-public enum ReferenceAxis: Equatable, Hashable, Codable {
-
+extension HeadingFrame {
     /**
-     * Top edge of the screen, +y.
+     * The axis of the device whose heading is reported.
      */
-    case topEdge
-    /**
-     * Back camera, -z.
-     */
-    case camera
-    /**
-     * The horizontal direction between top edge and camera: no flip when the phone passes upright.
-     */
-    case auto
+
+    public enum ReferenceAxis: Equatable, Hashable, Codable {
+
+        /**
+         * Top edge of the screen, +y.
+         */
+        case topEdge
+        /**
+         * Back camera, -z.
+         */
+        case camera
+        /**
+         * The horizontal direction between top edge and camera: no flip when the phone passes upright.
+         */
+        case auto
 
 
 
 
 
+    }
 }
 
 #if compiler(>=6)
-extension ReferenceAxis: Sendable {}
+extension HeadingFrame.ReferenceAxis: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeReferenceAxis: FfiConverterRustBuffer {
-    typealias SwiftType = ReferenceAxis
+    typealias SwiftType = HeadingFrame.ReferenceAxis
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> ReferenceAxis {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> HeadingFrame.ReferenceAxis {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
@@ -5291,7 +5325,7 @@ fileprivate struct FfiConverterTypeReferenceAxis: FfiConverterRustBuffer {
         }
     }
 
-    public static func write(_ value: ReferenceAxis, into buf: inout [UInt8]) {
+    public static func write(_ value: HeadingFrame.ReferenceAxis, into buf: inout [UInt8]) {
         switch value {
 
 
@@ -5314,111 +5348,113 @@ fileprivate struct FfiConverterTypeReferenceAxis: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeReferenceAxis_lift(_ buf: RustBuffer) throws -> ReferenceAxis {
+fileprivate func FfiConverterTypeReferenceAxis_lift(_ buf: RustBuffer) throws -> HeadingFrame.ReferenceAxis {
     return try FfiConverterTypeReferenceAxis.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeReferenceAxis_lower(_ value: ReferenceAxis) -> RustBuffer {
+fileprivate func FfiConverterTypeReferenceAxis_lower(_ value: HeadingFrame.ReferenceAxis) -> RustBuffer {
     return FfiConverterTypeReferenceAxis.lower(value)
 }
 
 
 
-/**
- * Why a sample was not used.
- */
+extension CompensationStatus {
+    /**
+     * Why a sample was not used.
+     */
 
-public enum RejectReason: Equatable, Hashable, Codable {
+    public enum RejectReason: Equatable, Hashable, Codable {
 
-    /**
-     * A component is NaN or infinite. Check where the samples come from.
-     */
-    case notFinite
-    /**
-     * A component is beyond the setting `rangeUt`. Is the unit microtesla?
-     */
-    case outOfRange(
         /**
-         * The component, microtesla.
-         */valueUt: Double,
+         * A component is NaN or infinite. Check where the samples come from.
+         */
+        case notFinite
         /**
-         * The limit, microtesla.
-         */limitUt: Double
-    )
-    /**
-     * A component is at the sensor's full scale, the setting `railUt` or as found: the true field is larger.
-     */
-    case saturated(
+         * A component is beyond the setting `rangeUt`. Is the unit microtesla?
+         */
+        case outOfRange(
+            /**
+             * The component, microtesla.
+             */valueUt: Double,
+            /**
+             * The limit, microtesla.
+             */limitUt: Double
+        )
         /**
-         * The axis of the component.
-         */axis: DeviceAxis,
+         * A component is at the sensor's full scale, the setting `railUt` or as found: the true field is larger.
+         */
+        case saturated(
+            /**
+             * The axis of the component.
+             */axis: DeviceVector.Axis,
+            /**
+             * The component, microtesla.
+             */valueUt: Double,
+            /**
+             * Full scale, microtesla.
+             */railUt: Double
+        )
         /**
-         * The component, microtesla.
-         */valueUt: Double,
+         * Time did not advance.
+         */
+        case timeNotAfter(
+            /**
+             * Time of this sample, nanoseconds.
+             */timeNs: Int64,
+            /**
+             * Time of the latest accepted sample, nanoseconds.
+             */latestNs: Int64
+        )
         /**
-         * Full scale, microtesla.
-         */railUt: Double
-    )
-    /**
-     * Time did not advance.
-     */
-    case timeNotAfter(
+         * Time jumped ahead further than any pause. Is the unit nanoseconds?
+         */
+        case timeJump(
+            /**
+             * The jump, seconds.
+             */gapS: Double,
+            /**
+             * The limit, seconds.
+             */limitS: Double
+        )
         /**
-         * Time of this sample, nanoseconds.
-         */timeNs: Int64,
+         * The same value to the last bit while the device turns, or where neither gyroscope nor accelerometer tells that it rests: the sensor hangs.
+         */
+        case stuck(
+            /**
+             * How many times in a row the value was accepted before.
+             */repeats: Int
+        )
         /**
-         * Time of the latest accepted sample, nanoseconds.
-         */latestNs: Int64
-    )
-    /**
-     * Time jumped ahead further than any pause. Is the unit nanoseconds?
-     */
-    case timeJump(
-        /**
-         * The jump, seconds.
-         */gapS: Double,
-        /**
-         * The limit, seconds.
-         */limitS: Double
-    )
-    /**
-     * The same value to the last bit while the device turns, or where neither gyroscope nor accelerometer tells that it rests: the sensor hangs.
-     */
-    case stuck(
-        /**
-         * How many times in a row the value was accepted before.
-         */repeats: Int
-    )
-    /**
-     * The field turns as if the magnetometer had other axes than the gyroscope; the text says which. Asked again with every turn. Give both sensors the same axes.
-     */
-    case axes(
-        /**
-         * The sample's component along the gyroscope's x, 1 to 3; negative where it points the other way.
-         */x: Int,
-        /**
-         * Along y.
-         */y: Int,
-        /**
-         * Along z.
-         */z: Int
-    )
+         * The field turns as if the magnetometer had other axes than the gyroscope; the text says which. Asked again with every turn. Give both sensors the same axes.
+         */
+        case axes(
+            /**
+             * The sample's component along the gyroscope's x, 1 to 3; negative where it points the other way.
+             */x: Int,
+            /**
+             * Along y.
+             */y: Int,
+            /**
+             * Along z.
+             */z: Int
+        )
 
 
 
-    /**
-     * One sentence an app may show.
-     */
-public var text: String  {
-    return try!  FfiConverterString.lift(try! rustCall() {
-        uniffiCallStatus in
-    uniffi_magcomp_ffi_fn_method_rejectreason_text(
-            FfiConverterTypeRejectReason_lower(self),uniffiCallStatus
-    )
-})
+        /**
+         * One sentence an app may show.
+         */
+    public var text: String  {
+        return try!  FfiConverterString.lift(try! rustCall() {
+            uniffiCallStatus in
+        uniffi_magcomp_ffi_fn_method_rejectreason_text(
+                FfiConverterTypeRejectReason_lower(self),uniffiCallStatus
+        )
+    })
+    }
 }
 
 
@@ -5426,16 +5462,16 @@ public var text: String  {
 }
 
 #if compiler(>=6)
-extension RejectReason: Sendable {}
+extension CompensationStatus.RejectReason: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeRejectReason: FfiConverterRustBuffer {
-    typealias SwiftType = RejectReason
+    typealias SwiftType = CompensationStatus.RejectReason
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> RejectReason {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> CompensationStatus.RejectReason {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
@@ -5463,7 +5499,7 @@ fileprivate struct FfiConverterTypeRejectReason: FfiConverterRustBuffer {
         }
     }
 
-    public static func write(_ value: RejectReason, into buf: inout [UInt8]) {
+    public static func write(_ value: CompensationStatus.RejectReason, into buf: inout [UInt8]) {
         switch value {
 
 
@@ -5515,59 +5551,61 @@ fileprivate struct FfiConverterTypeRejectReason: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeRejectReason_lift(_ buf: RustBuffer) throws -> RejectReason {
+fileprivate func FfiConverterTypeRejectReason_lift(_ buf: RustBuffer) throws -> CompensationStatus.RejectReason {
     return try FfiConverterTypeRejectReason.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeRejectReason_lower(_ value: RejectReason) -> RustBuffer {
+fileprivate func FfiConverterTypeRejectReason_lower(_ value: CompensationStatus.RejectReason) -> RustBuffer {
     return FfiConverterTypeRejectReason.lower(value)
 }
 
 
 
-/**
- * How the screen's content is turned against the device's natural orientation, as Android's `Display.getRotation`.
- */
-
-public enum ScreenRotation: Equatable, Hashable, Codable {
-
+extension HeadingFrame {
     /**
-     * Natural orientation: portrait on phones.
+     * How the screen's content is turned against the device's natural orientation, as Android's `Display.getRotation`.
      */
-    case deg0
-    /**
-     * Landscape, the device turned counter-clockwise: the screen's top is the device's right edge.
-     */
-    case deg90
-    /**
-     * Upside down.
-     */
-    case deg180
-    /**
-     * The other landscape: the screen's top is the device's left edge.
-     */
-    case deg270
+
+    public enum ScreenRotation: Equatable, Hashable, Codable {
+
+        /**
+         * Natural orientation: portrait on phones.
+         */
+        case deg0
+        /**
+         * Landscape, the device turned counter-clockwise: the screen's top is the device's right edge.
+         */
+        case deg90
+        /**
+         * Upside down.
+         */
+        case deg180
+        /**
+         * The other landscape: the screen's top is the device's left edge.
+         */
+        case deg270
 
 
 
 
 
+    }
 }
 
 #if compiler(>=6)
-extension ScreenRotation: Sendable {}
+extension HeadingFrame.ScreenRotation: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeScreenRotation: FfiConverterRustBuffer {
-    typealias SwiftType = ScreenRotation
+    typealias SwiftType = HeadingFrame.ScreenRotation
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> ScreenRotation {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> HeadingFrame.ScreenRotation {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
@@ -5583,7 +5621,7 @@ fileprivate struct FfiConverterTypeScreenRotation: FfiConverterRustBuffer {
         }
     }
 
-    public static func write(_ value: ScreenRotation, into buf: inout [UInt8]) {
+    public static func write(_ value: HeadingFrame.ScreenRotation, into buf: inout [UInt8]) {
         switch value {
 
 
@@ -5610,59 +5648,61 @@ fileprivate struct FfiConverterTypeScreenRotation: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeScreenRotation_lift(_ buf: RustBuffer) throws -> ScreenRotation {
+fileprivate func FfiConverterTypeScreenRotation_lift(_ buf: RustBuffer) throws -> HeadingFrame.ScreenRotation {
     return try FfiConverterTypeScreenRotation.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeScreenRotation_lower(_ value: ScreenRotation) -> RustBuffer {
+fileprivate func FfiConverterTypeScreenRotation_lower(_ value: HeadingFrame.ScreenRotation) -> RustBuffer {
     return FfiConverterTypeScreenRotation.lower(value)
 }
 
 
 
-/**
- * The sensors the estimator runs on, as they come and go.
- */
-
-public enum SensorMode: Equatable, Hashable, Codable {
-
+extension MagneticReading {
     /**
-     * Gyroscope and accelerometer beside the magnetometer: everything works.
+     * The sensors the estimator runs on, as they come and go.
      */
-    case gyroscopeAndGravity
-    /**
-     * No accelerometer: the field is corrected and carried, there is no heading.
-     */
-    case gyroscopeOnly
-    /**
-     * No usable gyroscope: changes are followed slower.
-     */
-    case gravityOnly
-    /**
-     * Neither: changes are followed slower, and there is no heading.
-     */
-    case magnetometerOnly
+
+    @_spi(Research) public enum SensorMode: Equatable, Hashable, Codable {
+
+        /**
+         * Gyroscope and accelerometer beside the magnetometer: everything works.
+         */
+        case gyroscopeAndGravity
+        /**
+         * No accelerometer: the field is corrected and carried, there is no heading.
+         */
+        case gyroscopeOnly
+        /**
+         * No usable gyroscope: changes are followed slower.
+         */
+        case gravityOnly
+        /**
+         * Neither: changes are followed slower, and there is no heading.
+         */
+        case magnetometerOnly
 
 
 
 
 
+    }
 }
 
 #if compiler(>=6)
-extension SensorMode: Sendable {}
+@_spi(Research) extension MagneticReading.SensorMode: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeSensorMode: FfiConverterRustBuffer {
-    typealias SwiftType = SensorMode
+    typealias SwiftType = MagneticReading.SensorMode
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SensorMode {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> MagneticReading.SensorMode {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
@@ -5678,7 +5718,7 @@ fileprivate struct FfiConverterTypeSensorMode: FfiConverterRustBuffer {
         }
     }
 
-    public static func write(_ value: SensorMode, into buf: inout [UInt8]) {
+    public static func write(_ value: MagneticReading.SensorMode, into buf: inout [UInt8]) {
         switch value {
 
 
@@ -5705,14 +5745,14 @@ fileprivate struct FfiConverterTypeSensorMode: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeSensorMode_lift(_ buf: RustBuffer) throws -> SensorMode {
+fileprivate func FfiConverterTypeSensorMode_lift(_ buf: RustBuffer) throws -> MagneticReading.SensorMode {
     return try FfiConverterTypeSensorMode.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeSensorMode_lower(_ value: SensorMode) -> RustBuffer {
+fileprivate func FfiConverterTypeSensorMode_lower(_ value: MagneticReading.SensorMode) -> RustBuffer {
     return FfiConverterTypeSensorMode.lower(value)
 }
 
@@ -5793,45 +5833,47 @@ fileprivate func FfiConverterTypeSigmaNormalisation_lower(_ value: SigmaNormalis
 
 
 
-/**
- * What is known of the y axis of an outside world.
- */
-
-public enum WorldYaw: Equatable, Hashable, Codable {
-
+extension SensorSample.Attitude {
     /**
-     * It points anywhere, and stays: the turns stand in for a gyroscope where that is missing.
+     * What is known of the y axis of an outside world.
      */
-    case relative
-    /**
-     * It points north.
-     */
-    case absolute(
+
+    public enum WorldYaw: Equatable, Hashable, Codable {
+
         /**
-         * One standard deviation, degrees, as that of a `HeadingSample`.
-         */sigmaDeg: Double,
+         * It points anywhere, and stays: the turns stand in for a gyroscope where that is missing.
+         */
+        case relative
         /**
-         * Which north.
-         */reference: NorthReference
-    )
+         * It points north.
+         */
+        case absolute(
+            /**
+             * One standard deviation, degrees, as that of a `SensorSample.Heading`.
+             */sigmaDeg: Double,
+            /**
+             * Which north.
+             */reference: CompassHeading.NorthReference
+        )
 
 
 
 
 
+    }
 }
 
 #if compiler(>=6)
-extension WorldYaw: Sendable {}
+extension SensorSample.Attitude.WorldYaw: Sendable {}
 #endif
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterTypeWorldYaw: FfiConverterRustBuffer {
-    typealias SwiftType = WorldYaw
+    typealias SwiftType = SensorSample.Attitude.WorldYaw
 
-    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> WorldYaw {
+    public static func read(from buf: inout (data: Data, offset: Data.Index)) throws -> SensorSample.Attitude.WorldYaw {
         let variant: Int32 = try readInt(&buf)
         switch variant {
 
@@ -5844,7 +5886,7 @@ fileprivate struct FfiConverterTypeWorldYaw: FfiConverterRustBuffer {
         }
     }
 
-    public static func write(_ value: WorldYaw, into buf: inout [UInt8]) {
+    public static func write(_ value: SensorSample.Attitude.WorldYaw, into buf: inout [UInt8]) {
         switch value {
 
 
@@ -5865,14 +5907,14 @@ fileprivate struct FfiConverterTypeWorldYaw: FfiConverterRustBuffer {
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeWorldYaw_lift(_ buf: RustBuffer) throws -> WorldYaw {
+fileprivate func FfiConverterTypeWorldYaw_lift(_ buf: RustBuffer) throws -> SensorSample.Attitude.WorldYaw {
     return try FfiConverterTypeWorldYaw.lift(buf)
 }
 
 #if swift(>=5.8)
 @_documentation(visibility: private)
 #endif
-fileprivate func FfiConverterTypeWorldYaw_lower(_ value: WorldYaw) -> RustBuffer {
+fileprivate func FfiConverterTypeWorldYaw_lower(_ value: SensorSample.Attitude.WorldYaw) -> RustBuffer {
     return FfiConverterTypeWorldYaw.lower(value)
 }
 
@@ -6145,7 +6187,7 @@ fileprivate struct FfiConverterOptionTypeFitOptions: FfiConverterRustBuffer {
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterOptionTypeFoundDeclination: FfiConverterRustBuffer {
-    typealias SwiftType = FoundDeclination?
+    typealias SwiftType = Compass.FoundDeclination?
 
     public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
         guard let value = value else {
@@ -6289,7 +6331,7 @@ fileprivate struct FfiConverterOptionTypeFitResidual: FfiConverterRustBuffer {
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterOptionTypeHeadingAid: FfiConverterRustBuffer {
-    typealias SwiftType = HeadingAid?
+    typealias SwiftType = CompensatedReading.HeadingAid?
 
     public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
         guard let value = value else {
@@ -6337,7 +6379,7 @@ fileprivate struct FfiConverterOptionTypeModelOrder: FfiConverterRustBuffer {
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterOptionTypeReferenceAxis: FfiConverterRustBuffer {
-    typealias SwiftType = ReferenceAxis?
+    typealias SwiftType = HeadingFrame.ReferenceAxis?
 
     public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
         guard let value = value else {
@@ -6361,7 +6403,7 @@ fileprivate struct FfiConverterOptionTypeReferenceAxis: FfiConverterRustBuffer {
 @_documentation(visibility: private)
 #endif
 fileprivate struct FfiConverterOptionTypeScreenRotation: FfiConverterRustBuffer {
-    typealias SwiftType = ScreenRotation?
+    typealias SwiftType = HeadingFrame.ScreenRotation?
 
     public static func write(_ value: SwiftType, into buf: inout [UInt8]) {
         guard let value = value else {
@@ -6511,7 +6553,7 @@ package func geomagneticField(latitudeDeg: Double, longitudeDeg: Double, heightM
  * Starts writing messages under a tag, and sends a panic's place there too, before whatever heard of panics until then. The first call in a process sets the tag,
  * later ones the level.
  */
-package func startLogging(tag: String, level: MagcompLogLevel)  {try! rustCall() {
+package func startLogging(tag: String, level: Compensator.LogLevel)  {try! rustCall() {
         uniffiCallStatus in
     uniffi_magcomp_ffi_fn_func_start_logging(
         FfiConverterString.lower(tag),

@@ -8,13 +8,13 @@ extension MagneticReading {
     init(_ c: MagcompReading, timeNs: Int64) {
 {% for field in reading.fields if field.is_record %}
         let {{ field.camel }} = known(c.{{ field.leaves[0].flat }}).map {
-            {{ field.app }}({% for leaf in field.leaves %}{{ leaf.camel }}: {% if loop.first %}$0{% elif leaf.none %}known(c.{{ leaf.flat }}){% else %}c.{{ leaf.flat }}{% endif %}{{ ", " if not loop.last }}{% endfor %})
+            {{ field.app|swift }}({% for leaf in field.leaves %}{{ leaf.camel }}: {% if loop.first %}$0{% elif leaf.none %}known(c.{{ leaf.flat }}){% else %}c.{{ leaf.flat }}{% endif %}{{ ", " if not loop.last }}{% endfor %})
         }
 {% endfor %}
         self.init(
             timeNs: timeNs,
 {% for field in reading.fields %}
-            {{ field.camel }}: {% if field.kind == "vector" %}vector(c.{{ field.name }}){% elif field.kind == "real" %}known(c.{{ field.name }}){% elif field.is_enum %}{{ field.app }}(c.{{ field.name }}){% elif field.is_record %}{{ field.camel }}{% elif field.kind == "count" %}Int(c.{{ field.name }}){% else %}c.{{ field.name }}{% endif %},
+            {{ field.camel }}: {% if field.kind == "vector" %}vector(c.{{ field.name }}){% elif field.kind == "real" %}known(c.{{ field.name }}){% elif field.is_enum %}{{ field.app|swift }}(c.{{ field.name }}){% elif field.is_record %}{{ field.camel }}{% elif field.kind == "count" %}Int(c.{{ field.name }}){% else %}c.{{ field.name }}{% endif %},
 {% endfor %}
             event: FieldEvent(c.event),
             status: CompensationStatus(c.status)
@@ -37,12 +37,12 @@ private func unknown(_ what: String, _ code: Int32) -> Never {
 }
 
 {% macro read(field) %}
-{% if field.kind == "count" %}Int(clamping: c.whole.{{ field.place }}){% elif field.kind == "time" %}c.whole.{{ field.place }}{% elif field.kind == "axis" %}DeviceAxis(c.whole.{{ field.place }}){% elif field.kind == "signed_axis" %}axis({{ ["a", "b", "third"][field.place] }}){% elif field.kind == "real" %}{{ ["a", "b", "third"][field.place] }}{% else %}{{ by_name[field.kind].app }}(c){% endif %}
+{% if field.kind == "count" %}Int(clamping: c.whole.{{ field.place }}){% elif field.kind == "time" %}c.whole.{{ field.place }}{% elif field.kind == "axis" %}{{ by_name.Axis.app|swift }}(c.whole.{{ field.place }}){% elif field.kind == "signed_axis" %}axis({{ ["a", "b", "third"][field.place] }}){% elif field.kind == "real" %}{{ ["a", "b", "third"][field.place] }}{% else %}{{ by_name[field.kind].app|swift }}(c){% endif %}
 {%- endmacro %}
 {% macro made(case) %}
 .{{ case.camel }}{% if case.fields %}({% for field in case.fields %}{{ field.camel }}: {{ read(field) }}{{ ", " if not loop.last }}{% endfor %}){% endif %}
 {%- endmacro %}
-extension SensorMode {
+extension {{ "SensorMode"|swift }} {
     fileprivate init(_ code: Int32) {
         self =
             switch code {
@@ -67,7 +67,7 @@ extension ModelOrder {
 
 extension FieldEvent {
     fileprivate init?(_ c: MagcompEvent) {
-        let kind: FieldEventKind? =
+        let kind: {{ by_name.EventKind.app|swift }}? =
             switch c.kind {
 {% for case in by_name.EventKind.cases %}
             case {{ case.code }}: .{{ case.camel }}
@@ -80,7 +80,7 @@ extension FieldEvent {
 }
 
 {% for one, code in [(by_name.Status, "kind"), (by_name.Missing, "reason"), (by_name.HoldReason, "reason"), (by_name.RejectReason, "reason"), (by_name.FitProblem, "problem")] %}
-extension {{ one.app }} {
+extension {{ one.app|swift }} {
     {{ "fileprivate " if one.name != "Status" }}init(_ c: MagcompStatus) {
 {% if one.has_reals %}
         let (a, b, third) = c.real
@@ -96,7 +96,7 @@ extension {{ one.app }} {
 }
 
 {% endfor %}
-extension DeviceAxis {
+extension {{ by_name.Axis.app|swift }} {
     fileprivate init(_ number: Int64) {
         self =
             switch number {

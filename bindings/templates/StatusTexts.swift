@@ -10,7 +10,7 @@ import Foundation
 .{{ case.camel }}{% if case.fields and (case.told or not case.text) %}({% for field in case.fields %}let {{ field.camel }}{{ ", " if not loop.last }}{% endfor %}){% endif %}
 {%- endmacro %}
 {% for one in enums if one.has_texts and one.name != "EventKind" %}
-extension {{ one.app }} {
+extension {{ one.app|swift }} {
 {% if one.name in ["Status", "HeadingAid"] %}
     /// One sentence an app may show{% if one.name == "HeadingAid" %} of what headings from outside are worth{% endif %}, in the app's language where the package has it, else in English.
     public var localizedText: String {

@@ -15,7 +15,7 @@ struct CompassApp: App {
         model = CompassModel()
         #else
         // the system's own field too, to show it beside ours; an app that shows no lag has CompassModel() here as well
-        let sensors = CoreMotionSource(options: SensorOptions(systemField: true))
+        let sensors = CoreMotionSource(options: CoreMotionSource.Options(systemField: true))
         source = sensors
         model = CompassModel(compass: Compass(source: sensors, store: UserDefaultsStore()))
         #endif

@@ -12,21 +12,16 @@ struct CompassView: View {
             CompassRose(headingDeg: model.headingDeg, sigmaDeg: model.headingSigmaDeg)
             Text(heading).font(.largeTitle).monospacedDigit()
             Text(field).monospacedDigit()
-            CompassAdvice(
-                status: model.status, guidance: model.guidance, isDisturbed: model.isDisturbed, error: model.error,
-                retry: model.retry)
+            CompassAdvice(model)
             ProgressView("directions seen", value: model.coverage)
             Picker("Help by the course", selection: headed) {
-                Text("none").tag(HeadedAxis?.none)
-                Text("in a holder in a car").tag(HeadedAxis?.some(.vehicle))
-                Text("walking, held ahead").tag(HeadedAxis?.some(.heldAhead))
+                Text("none").tag(SensorSample.HeadedAxis?.none)
+                Text("in a holder in a car").tag(SensorSample.HeadedAxis?.some(.vehicle))
+                Text("walking, held ahead").tag(SensorSample.HeadedAxis?.some(.heldAhead))
             }
-            if let refusal = help?.refusal {
-                CompassAdvice(
-                    status: refusal.localizedDescription, guidance: nil, isDisturbed: false, error: refusal)
-            }
+            if let refusal = help?.refusal { CompassAdvice(refusal) }
             if let aid = model.reading?.headingAid { Text(aid.localizedText).font(.footnote) }
-            if let system = model.systemField {
+            if let system = model.reading?.systemField {
                 Text("iOS: \(microtesla(length(system.fieldUt))), accuracy \(String(describing: system.accuracy))")
                     .font(.footnote)
                 // read with the system's field, which is renewed with every sample
@@ -38,7 +33,7 @@ struct CompassView: View {
         .task { await model.run() }
     }
 
-    private var headed: Binding<HeadedAxis?> {
+    private var headed: Binding<SensorSample.HeadedAxis?> {
         Binding { @MainActor in
             help?.headed
         } set: { @MainActor headed in
@@ -57,7 +52,7 @@ struct CompassView: View {
         source?.lagS.map { ($0 * 1000).formatted(.number.precision(.fractionLength(0))) + " ms" } ?? "not yet known to be"
     }
 
-    private var field: String { model.totalFieldUt.map(microtesla) ?? "" }
+    private var field: String { model.reading?.reading.totalFieldUt.map(microtesla) ?? "" }
 
     private func degrees(_ value: Double) -> String { value.formatted(.number.precision(.fractionLength(0))) + "\u{b0}" }
 

@@ -7,7 +7,7 @@ import Observation
 @MainActor @Observable
 final class CourseHelp: NSObject, CLLocationManagerDelegate {
     /// Of what a course is the heading; nil: no courses are asked for.
-    var headed: HeadedAxis? {
+    var headed: SensorSample.HeadedAxis? {
         didSet { headed == nil ? end() : begin() }
     }
 
@@ -26,7 +26,7 @@ final class CourseHelp: NSObject, CLLocationManagerDelegate {
     private func begin() {
         // shows its question once; the answer comes to `locationManagerDidChangeAuthorization`
         locations.requestWhenInUseAuthorization()
-        refusal = SensorError.refusal(of: locations).map(CompassError.sensor)
+        refusal = CompassError.refusal(of: locations)
         // one that was refused before it was allowed has to be started again
         if refusal == nil { locations.startUpdatingLocation() }
     }

@@ -2,13 +2,13 @@ import Foundation
 
 // What something else than the magnetometer knows: a GNSS course, a landmark, ARKit's camera. docs/OUTSIDE.md says what it is worth.
 
-extension HeadedAxis {
+extension SensorSample.HeadedAxis {
     /// The direction in which a walker holds a phone ahead: between top edge and back camera, so that it points ahead whether the phone
     /// lies in the hand or is held up.
-    public static let heldAhead = HeadedAxis.device(axis: DeviceVector(x: 0, y: 1, z: -1))
+    public static let heldAhead = SensorSample.HeadedAxis.device(axis: DeviceVector(x: 0, y: 1, z: -1))
 }
 
-extension AttitudeSample {
+extension SensorSample.Attitude {
     /// The pose of ARKit's camera, whose world has a y axis that points up and is turned to anywhere: its turns alone count. Not for a
     /// session with `.gravityAndHeading`, whose yaw is the system's compass.
     ///
@@ -52,7 +52,7 @@ private func quaternion(_ x: SIMD3<Double>, _ y: SIMD3<Double>, _ z: SIMD3<Doubl
 /// A time that has nanoseconds; nil for one that is none.
 func nanoseconds(_ seconds: Double) -> Int64? { Int64(exactly: (seconds * 1e9).rounded()) }
 
-extension HeadingSample {
+extension SensorSample.Heading {
     /// The time of a fix, or of anything else that has a date, by the clock of the phone's sensors: nanoseconds since the start of the
     /// device, without its sleep. For a date of the last seconds, and before the phone sleeps or its clock is set.
     public static func timeNs(of date: Date) -> Int64 {
@@ -73,7 +73,7 @@ extension HeadingSample {
     static let headedSigmaDeg = (held: 10.0, track: 2.0)
 
     /// The course of a fix as a heading; nil where it says nothing: without course or speed, or too slow. What is negative is not known.
-    init?(courseDeg: Double, accuracyDeg: Double, speedMS: Double, timeNs: Int64, of headed: HeadedAxis) {
+    init?(courseDeg: Double, accuracyDeg: Double, speedMS: Double, timeNs: Int64, of headed: SensorSample.HeadedAxis) {
         let isVehicle = headed == .vehicle
         let leastMS = isVehicle ? Self.leastSpeedMS.driving : Self.leastSpeedMS.walking
         guard (0...360).contains(courseDeg), speedMS >= leastMS, speedMS.isFinite else { return nil }
@@ -82,56 +82,28 @@ extension HeadingSample {
         let sigmaDeg = min((toldDeg * toldDeg + headedDeg * headedDeg).squareRoot(), 180)
         self.init(timeNs: timeNs, headingDeg: courseDeg, sigmaDeg: sigmaDeg, reference: .true, axis: headed)
     }
-
-    /// The core's own ranges, held together with it by a test: a sample may be refused before there is an estimator.
-    func check() throws {
-        var numbers = [headingDeg, sigmaDeg]
-        var length = 1.0
-        if case .device(let axis) = self.axis {
-            numbers += [axis.x, axis.y, axis.z]
-            length = abs(axis.x) + abs(axis.y) + abs(axis.z)
-        }
-        guard numbers.allSatisfy(\.isFinite) else { throw MagcompError.eventRejected(reason: .notFinite) }
-        guard sigmaDeg > 0, sigmaDeg <= 180, abs(headingDeg) <= 360, length > 0 else {
-            throw MagcompError.eventRejected(reason: .outOfRange)
-        }
-    }
-}
-
-extension AttitudeSample {
-    /// As that of a heading.
-    func check() throws {
-        var sigma = 180.0
-        if case .absolute(let sigmaDeg, _) = yaw { sigma = sigmaDeg }
-        guard [w, x, y, z, sigma].allSatisfy(\.isFinite) else { throw MagcompError.eventRejected(reason: .notFinite) }
-        guard [w, x, y, z].contains(where: { $0 != 0 }), sigma > 0, sigma <= 180 else {
-            throw MagcompError.eventRejected(reason: .outOfRange)
-        }
-    }
 }
 
 extension Compass {
     /// A heading from outside: a landmark that the user tapped, a corridor of a map. Any thread may call.
     ///
-    /// - Parameter heading: its time is that of the source's events, for the phone's sensors `HeadingSample.timeNs(of:)` of a date; up to 5 s
+    /// - Parameter heading: its time is that of the source's events, for the phone's sensors `SensorSample.Heading.timeNs(of:)` of a date; up to 5 s
     ///   before the latest reading
     /// - Returns: whether it was taken; one that is too late, or comes while nobody iterates, changes nothing
-    /// - Throws: `MagcompError.eventRejected` for numbers that can't be
+    /// - Throws: `MagcompError.eventRejected` for numbers that can't be, while somebody iterates
     @discardableResult
-    public func aid(with heading: HeadingSample) throws -> Bool {
-        try heading.check()
-        return try aid(.heading(heading))
+    public func aid(with heading: SensorSample.Heading) throws -> Bool {
+        try aid(.heading(heading))
     }
 
-    /// An orientation from outside: ARKit's camera (`AttitudeSample(arKitTimestampS:x:y:z:)`). While the gyroscope is missing its turns stand in
+    /// An orientation from outside: ARKit's camera (`SensorSample.Attitude(arKitTimestampS:x:y:z:)`). While the gyroscope is missing its turns stand in
     /// for it; one whose yaw is known is a heading too.
     ///
     /// - Returns: whether it was taken; one that is too late, or comes while nobody iterates, changes nothing
-    /// - Throws: `MagcompError.eventRejected` for numbers that can't be
+    /// - Throws: `MagcompError.eventRejected` for numbers that can't be, while somebody iterates
     @discardableResult
-    public func aid(with attitude: AttitudeSample) throws -> Bool {
-        try attitude.check()
-        return try aid(.attitude(attitude))
+    public func aid(with attitude: SensorSample.Attitude) throws -> Bool {
+        try aid(.attitude(attitude))
     }
 }
 
@@ -147,10 +119,10 @@ extension Compass {
     ///   - headed: `.vehicle`: the phone lies in a holder; `.heldAhead`: its user walks and holds it ahead
     /// - Returns: whether there was a course, and it was taken
     @discardableResult
-    public func aid(with location: CLLocation, pointing headed: HeadedAxis) throws -> Bool {
-        let course = HeadingSample(
+    public func aid(with location: CLLocation, pointing headed: SensorSample.HeadedAxis) throws -> Bool {
+        let course = SensorSample.Heading(
             courseDeg: location.course, accuracyDeg: location.courseAccuracy, speedMS: location.speed,
-            timeNs: HeadingSample.timeNs(of: location.timestamp), of: headed)
+            timeNs: SensorSample.Heading.timeNs(of: location.timestamp), of: headed)
         return try course.map { try aid(with: $0) } ?? false
     }
 }
@@ -168,7 +140,7 @@ extension Compass {
         func column(_ c: SIMD4<Float>) -> SIMD3<Double> { SIMD3(Double(c.x), Double(c.y), Double(c.z)) }
         let (x, y, z, _) = transform.columns
         return try aid(
-            with: AttitudeSample(arKitTimestampS: timestampS, x: column(x), y: column(y), z: column(z)))
+            with: SensorSample.Attitude(arKitTimestampS: timestampS, x: column(x), y: column(y), z: column(z)))
     }
 }
 #endif

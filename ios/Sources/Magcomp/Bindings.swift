@@ -62,7 +62,7 @@ extension MagnetometerCalibration {
     }
 }
 
-extension MagcompLogLevel {
+extension Compensator.LogLevel {
     /// Writes messages of this level and above to standard error from now on, the place of a defect too. The first call in a
     /// process sets the tag, later ones the level.
     ///

@@ -69,26 +69,15 @@ public final class Compass: Sendable {
     }
     #endif
 
-    /// The frame of the headings, whole. Its settings may be set one by one at any time from any thread: ``axis``, ``screenRotation``
-    /// and ``setDeclinationDeg(_:)`` leave what another thread sets meanwhile.
-    public var frame: HeadingFrame { frames.value }
-
-    /// Sets the frame of the headings as a whole.
-    ///
-    /// - Throws: `MagcompError.config` when the declination is out of range; nothing has changed then
-    public func setFrame(_ frame: HeadingFrame) throws {
-        try Self.check(frame.declinationDeg)
-        frames.value = frame
-    }
-
-    /// The axis of the device the headings are those of.
-    public var axis: ReferenceAxis {
+    /// The axis of the device the headings are those of. Like ``screenRotation`` and ``setDeclinationDeg(_:)`` it may be set at any time from
+    /// any thread.
+    public var axis: HeadingFrame.ReferenceAxis {
         get { frames.value.axis }
         set { frames.change { $0.axis = newValue } }
     }
 
-    /// How far the screen has turned: on iOS `ScreenRotation(_:)` knows it from a `UIInterfaceOrientation`.
-    public var screenRotation: ScreenRotation {
+    /// How far the screen has turned: on iOS `HeadingFrame.ScreenRotation(_:)` knows it from a `UIInterfaceOrientation`.
+    public var screenRotation: HeadingFrame.ScreenRotation {
         get { frames.value.screenRotation }
         set { frames.change { $0.screenRotation = newValue } }
     }
@@ -101,15 +90,12 @@ public final class Compass: Sendable {
     /// - Parameter declinationDeg: degrees, east positive, -180 to 180; nil: no true heading
     /// - Throws: `MagcompError.config` when it is out of range; nothing has changed then
     public func setDeclinationDeg(_ declinationDeg: Double?) throws {
-        try Self.check(declinationDeg)
+        // the core's own range; a test compares them
+        if let declinationDeg, !(-180...180).contains(declinationDeg) {
+            throw MagcompError.config(
+                field: "heading.declination_deg", value: "\(declinationDeg)", expected: "-180.0 to 180.0 deg, or none")
+        }
         frames.change { $0.declinationDeg = declinationDeg }
-    }
-
-    /// The core's own range; a test compares them.
-    private static func check(_ declinationDeg: Double?) throws {
-        guard let declinationDeg, !(-180...180).contains(declinationDeg) else { return }
-        throw MagcompError.config(
-            field: "heading.declination_deg", value: "\(declinationDeg)", expected: "-180.0 to 180.0 deg, or none")
     }
 
     /// One reading for every magnetometer sample, as long as somebody iterates. All iterators get the same readings,
@@ -117,13 +103,13 @@ public final class Compass: Sendable {
     ///
     /// - Parameter capacity: readings kept for a slow iterator, at least 1; the oldest is dropped and counted, but for a source
     ///   that can wait, as a ``RecordingSource`` can
-    public func readings(capacity: Int = 64) -> CompensatedReadings {
-        CompensatedReadings { [readers] in readers.place(capacity: capacity) }
+    public func readings(capacity: Int = 64) -> Readings {
+        Readings { [readers] in readers.place(capacity: capacity) }
     }
 
     /// Those that a screen shows: the newest, at most so many a second, and the last.
-    func readings(rateHz: Double) -> CompensatedReadings {
-        CompensatedReadings { [readers] in readers.place(capacity: 1, rateHz: rateHz) }
+    func readings(rateHz: Double) -> Readings {
+        Readings { [readers] in readers.place(capacity: 1, rateHz: rateHz) }
     }
 
     /// Saves the calibration now, if it has changed since it was saved: for an app that enters the background, where iOS may end the
@@ -143,7 +129,10 @@ public final class Compass: Sendable {
     public func reset() { estimation.reset() }
 
     /// The declination that true headings from outside have shown; nil before the first, and while ``declinationDeg`` is set.
-    public func foundDeclination() throws -> FoundDeclination? { try estimation.foundDeclination() }
+    public func foundDeclination() throws -> Compass.FoundDeclination? { try estimation.foundDeclination() }
+
+    /// The frame of the headings, whole.
+    var frame: HeadingFrame { frames.value }
 
     /// The latest reading while the sensors run.
     var latest: CompensatedReading? { readers.latest }
@@ -159,4 +148,38 @@ public final class Compass: Sendable {
 
     /// The compensator's, for tests alone.
     var fastHandle: Int64? { estimation.fastHandle }
+}
+
+extension Compass {
+    /// Readings, one for every magnetometer sample. Events run while anybody iterates: they begin when an iterator is first asked for a
+    /// reading, and stop when the last iterator is freed or its task is cancelled.
+    public struct Readings: AsyncSequence, Sendable {
+        public typealias Element = CompensatedReading
+
+        private let begin: @Sendable () -> Place
+
+        init(_ begin: @escaping @Sendable () -> Place) { self.begin = begin }
+
+        public func makeAsyncIterator() -> AsyncIterator { AsyncIterator(begin: begin) }
+
+        public struct AsyncIterator: AsyncIteratorProtocol {
+            let begin: @Sendable () -> Place
+            private var place: Place?
+
+            init(begin: @escaping @Sendable () -> Place) { self.begin = begin }
+
+            /// Events run, and readings are kept for it from now on.
+            package mutating func start() { place = place ?? begin() }
+
+            public mutating func next() async throws -> CompensatedReading? { try await next(isolation: nil) }
+
+            /// As ``next()``, on the caller's actor.
+            public mutating func next(isolation actor: isolated (any Actor)?) async throws -> CompensatedReading? {
+                // who was cancelled before it began starts nothing
+                if place == nil, Task.isCancelled { return nil }
+                start()
+                return try await place?.next(isolation: actor)
+            }
+        }
+    }
 }

@@ -14,10 +14,6 @@ public final class CompassModel {
     public private(set) var headingSigmaDeg = 180.0
     /// Clockwise from true north, degrees, 0 to 360; nil without a heading, or a declination of the ``compass``.
     public private(set) var trueHeadingDeg: Double?
-    /// Length of the corrected field, microtesla.
-    public private(set) var totalFieldUt: Double?
-    /// What the system itself says of the field, microtesla, and how well it is calibrated.
-    public private(set) var systemField: SystemFieldSample?
     /// What the compensator is doing, in a sentence; or why there are no readings.
     public private(set) var status = CompassState().status
     /// Share of the directions seen, 0 to 1.
@@ -37,31 +33,40 @@ public final class CompassModel {
 
     /// Whose readings are shown; its axis, screen rotation and declination may be set at any time.
     public let compass: Compass
-    private let display: CompassDisplay
+    private let rateHz: Double
+    private let smoothingHalfLifeS: Double?
     private let runs = SharedRun()
     private var isPreview = false
     @ObservationIgnored private var shown = CompassState()
 
-    public init(compass: Compass, display: CompassDisplay = CompassDisplay()) {
-        (self.compass, self.display) = (compass, display)
+    /// - Parameters:
+    ///   - compass: whose readings are shown
+    ///   - rateHz: at most so many a second, by the times of the samples, above 0. Default 60: as often as a screen is drawn
+    ///   - smoothingHalfLifeS: half-life of headings' smoothing, seconds, above 0; nil, the default: they are shown as they come
+    public init(compass: Compass, rateHz: Double = 60, smoothingHalfLifeS: Double? = nil) {
+        (self.compass, self.rateHz, self.smoothingHalfLifeS) = (compass, rateHz, smoothingHalfLifeS)
     }
 
-    /// Shows a state, for previews: no sensor runs, ``run()`` returns at once.
-    public init(state: CompassState) {
-        (compass, display) = (Compass(source: NoSource()), CompassDisplay())
+    /// Shows one reading, or an error, for previews: no sensor runs, ``run()`` returns at once.
+    public convenience init(preview reading: CompensatedReading?, error: CompassError? = nil) {
+        self.init(compass: Compass(source: PushedSource()))
         isPreview = true
+        var state = CompassState(error: error)
+        if let reading { state.show(reading) }
         show(state)
     }
 
     #if canImport(CoreMotion) && !os(macOS)
     /// That of a ``Compass/init()``: the phone's sensors, or in the Simulator a ``SimulatedSource``.
-    public convenience init(display: CompassDisplay = CompassDisplay()) { self.init(compass: Compass(), display: display) }
+    public convenience init() { self.init(compass: Compass()) }
     #endif
 
     /// Shows readings until its task is cancelled or the source ends; then it shows no heading, but a recording's last reading stays.
     public func run() async {
         if isPreview { return }
-        await runs.join { [self] retries in await compass.follow(display, retries: retries) { show($0) } }
+        await runs.join { [self] retries in
+            await compass.follow(rateHz: rateHz, smoothingHalfLifeS: smoothingHalfLifeS, retries: retries) { show($0) }
+        }
     }
 
     /// Tries again after an error that may pass, such as a sensor that has stopped: the run that waits goes on. Else it does nothing.
@@ -80,8 +85,6 @@ public final class CompassModel {
         if new.headingDeg != old.headingDeg { headingDeg = new.headingDeg }
         if new.headingSigmaDeg != old.headingSigmaDeg { headingSigmaDeg = new.headingSigmaDeg }
         if new.trueHeadingDeg != old.trueHeadingDeg { trueHeadingDeg = new.trueHeadingDeg }
-        if new.totalFieldUt != old.totalFieldUt { totalFieldUt = new.totalFieldUt }
-        if new.systemField != old.systemField { systemField = new.systemField }
         if new.status != old.status { status = new.status }
         if new.coverage != old.coverage { coverage = new.coverage }
         if new.unseenDirections != old.unseenDirections { unseenDirections = new.unseenDirections }

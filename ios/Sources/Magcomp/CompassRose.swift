@@ -97,17 +97,15 @@ public struct CompassAdvice: View {
     private let retry: (() -> Void)?
     @Environment(\.openURL) private var openURL
 
-    /// - Parameters:
-    ///   - status: ``CompassState/status``
-    ///   - guidance: ``CompassState/guidance``
-    ///   - isDisturbed: ``CompassState/isDisturbed``
-    ///   - error: ``CompassState/error``
-    ///   - retry: ``CompassModel/retry()``, for a button where the error may pass; nil: no button
-    public init(
-        status: String, guidance: String?, isDisturbed: Bool, error: CompassError? = nil, retry: (() -> Void)? = nil
-    ) {
-        (self.status, self.guidance, self.isDisturbed, self.error) = (status, guidance, isDisturbed, error)
-        self.retry = retry
+    /// Of a compass.
+    public init(_ model: CompassModel) {
+        (status, guidance, isDisturbed, error) = (model.status, model.guidance, model.isDisturbed, model.error)
+        retry = model.retry
+    }
+
+    /// Of an error alone, such as ``CompassError/refusal(of:)``.
+    public init(_ error: CompassError) {
+        (status, guidance, isDisturbed, self.error, retry) = (error.localizedDescription, nil, false, error, nil)
     }
 
     public var body: some View {

@@ -8,7 +8,8 @@ extension View {
     /// does not turn, it does nothing.
     public func compassScreen(_ compass: Compass) -> some View {
         #if os(iOS)
-        background(WindowOrientation { if let rotation = ScreenRotation($0) { compass.screenRotation = rotation } })
+        background(
+            WindowOrientation { if let rotation = HeadingFrame.ScreenRotation($0) { compass.screenRotation = rotation } })
         #else
         self
         #endif

@@ -5,9 +5,9 @@ public struct CompensatedReading: Equatable, Codable, Sendable {
     /// Corrected field, heading, and what the compensator is doing.
     public var reading: MagneticReading
     /// The raw sample it answers.
-    public var sample: MagneticSample
+    public var sample: SensorSample.Magnetic
     /// The operating system's own calibrated field, the latest before it, where the source delivers that.
-    public var systemField: SystemFieldSample?
+    public var systemField: SensorSample.SystemField?
     /// Where the field has not pointed yet, unit vectors in the device frame: an app may ask for the phone to be turned so
     /// that it does. Renewed several times a second.
     public var unseenDirections: [DeviceVector]
@@ -15,7 +15,7 @@ public struct CompensatedReading: Equatable, Codable, Sendable {
     /// learned and saved; else nil.
     public var storeError: MagcompError?
     /// What help from outside is worth now (`Compass.aid`); nil where none came in the last two minutes.
-    public var headingAid: HeadingAid?
+    public var headingAid: CompensatedReading.HeadingAid?
     /// Readings dropped right before this one because the iterator was slow; the estimator saw every sample all the same.
     public var droppedBefore: Int
     /// When its sample was taken, to be laid beside a `CLLocation` or a `CLHeading`, by the device's clock as it was when the sample came.
@@ -27,8 +27,9 @@ public struct CompensatedReading: Equatable, Codable, Sendable {
 
     /// For previews and tests: an app gets its readings by iterating.
     public init(
-        reading: MagneticReading, sample: MagneticSample, systemField: SystemFieldSample? = nil,
-        unseenDirections: [DeviceVector] = [], storeError: MagcompError? = nil, headingAid: HeadingAid? = nil,
+        reading: MagneticReading, sample: SensorSample.Magnetic, systemField: SensorSample.SystemField? = nil,
+        unseenDirections: [DeviceVector] = [], storeError: MagcompError? = nil,
+        headingAid: CompensatedReading.HeadingAid? = nil,
         droppedBefore: Int = 0, timestamp: Date? = nil
     ) {
         (self.reading, self.sample, self.systemField) = (reading, sample, systemField)
@@ -37,8 +38,9 @@ public struct CompensatedReading: Equatable, Codable, Sendable {
     }
 
     /// Of no sample: the source is silent.
-    init(silentAfter sample: MagneticSample?, storeError: MagcompError? = nil, unseenDirections: [DeviceVector] = []) {
-        let latest = sample ?? MagneticSample(timeNs: 0, fieldUt: DeviceVector(x: 0, y: 0, z: 0))
+    init(silentAfter sample: SensorSample.Magnetic?, storeError: MagcompError? = nil, unseenDirections: [DeviceVector] = [])
+    {
+        let latest = sample ?? SensorSample.Magnetic(timeNs: 0, fieldUt: DeviceVector(x: 0, y: 0, z: 0))
         self.init(
             reading: MagneticReading(
                 timeNs: latest.timeNs, status: .collecting(missing: .samples(have: 0, need: 1))),
@@ -63,9 +65,9 @@ public struct CompensatedReading: Equatable, Codable, Sendable {
 
     /// Core Motion counts its times from the start of the device, without its sleep.
     static func date(
-        of sample: MagneticSample, now: Date = Date(), uptimeS: TimeInterval = ProcessInfo.processInfo.systemUptime
+        of sample: SensorSample.Magnetic, now: Date = Date(), uptimeNs: Int64 = SystemClock().nowNs
     ) -> Date {
-        now.addingTimeInterval(Double(sample.timeNs) * 1e-9 - uptimeS)
+        now.addingTimeInterval((Double(sample.timeNs) - Double(uptimeNs)) * 1e-9)
     }
 }
 

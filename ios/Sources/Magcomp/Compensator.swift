@@ -24,7 +24,7 @@ public final class Compensator: Sendable {
     /// the compensator assumes another clock: it keeps the calibration and begins anew with everything else. At the
     /// sensor's full scale (`.saturated`) a gyroscope carries the field on: the reading has a carried field and a heading,
     /// and nothing is learned.
-    public func push(_ sample: MagneticSample) throws -> MagneticReading {
+    public func push(_ sample: SensorSample.Magnetic) throws -> MagneticReading {
         let (field, reported) = (sample.fieldUt, sample.reportedHardIronUt)
         let unknown = Double.nan
         var out = MagcompReading()
@@ -39,7 +39,7 @@ public final class Compensator: Sendable {
     ///
     /// - Returns: whether it was used; if not, for instance because it came too late, nothing has changed
     @discardableResult
-    public func pushRotationRate(_ sample: RotationRateSample) throws -> Bool {
+    public func pushRotationRate(_ sample: SensorSample.RotationRate) throws -> Bool {
         let rate = sample.rateRadS
         return try check(magcomp_push_rotation_rate(handle, sample.timeNs, rate.x, rate.y, rate.z)) == 0
     }
@@ -48,7 +48,7 @@ public final class Compensator: Sendable {
     ///
     /// - Returns: whether it was used; if not, for instance because it came too late, nothing has changed
     @discardableResult
-    public func pushUp(_ sample: UpSample) throws -> Bool {
+    public func pushUp(_ sample: SensorSample.Up) throws -> Bool {
         let up = sample.upMS2
         return try check(magcomp_push_up(handle, sample.timeNs, up.x, up.y, up.z)) == 0
     }
@@ -63,16 +63,16 @@ public final class Compensator: Sendable {
         case .rotationRate(let sample): try pushRotationRate(sample)
         case .up(let sample): try pushUp(sample)
         case .systemField, .note: break
-        case .heading(let sample): _ = try Self.taken { try pushHeading(sample) }
-        case .attitude(let sample): _ = try Self.taken { try pushAttitude(sample) }
+        case .heading, .attitude: _ = try take(event)
         }
         return nil
     }
 
     /// Whether help from outside was taken; false where its time was not right.
-    static func taken(_ push: () throws -> Void) throws -> Bool {
+    func take(_ help: SensorSample) throws -> Bool {
         do {
-            try push()
+            if case .heading(let sample) = help { try pushHeading(sample) }
+            if case .attitude(let sample) = help { try pushAttitude(sample) }
             return true
         } catch MagcompError.eventRejected(let reason) where reason != .notFinite && reason != .outOfRange {
             return false
@@ -83,19 +83,19 @@ public final class Compensator: Sendable {
     /// late. Headings go by it, the calibration does not.
     ///
     /// - Throws: `MagcompError.eventRejected`, which says why it was not taken; nothing has changed then
-    public func pushHeading(_ sample: HeadingSample) throws { try native.pushHeading(sample: sample) }
+    public func pushHeading(_ sample: SensorSample.Heading) throws { try native.pushHeading(sample: sample) }
 
     /// An orientation from outside: a camera's pose. While the gyroscope is missing its turns stand in for it; one whose yaw is known is a
     /// heading too.
     ///
     /// - Throws: `MagcompError.eventRejected`, which says why it was not taken; nothing has changed then
-    public func pushAttitude(_ sample: AttitudeSample) throws { try native.pushAttitude(sample: sample) }
+    public func pushAttitude(_ sample: SensorSample.Attitude) throws { try native.pushAttitude(sample: sample) }
 
     /// What headings from outside are worth after the latest sample; nil where none came in the last two minutes.
-    public func headingAid() throws -> HeadingAid? { try native.headingAid() }
+    public func headingAid() throws -> CompensatedReading.HeadingAid? { try native.headingAid() }
 
     /// The declination that true headings from outside have shown; nil before the first, and while a declination is set.
-    public func foundDeclination() throws -> FoundDeclination? { try native.foundDeclination() }
+    public func foundDeclination() throws -> Compass.FoundDeclination? { try native.foundDeclination() }
 
     /// From now on headings are those of this frame, for instance when the screen was turned. Nothing else changes.
     ///
@@ -153,8 +153,13 @@ public final class Compensator: Sendable {
     /// The latest ellipsoid fit that was accepted, with its covariance; the aided and the adaptive method make none.
     @_spi(Research) public func fit() throws -> EllipsoidFit? { try native.fit() }
 
-    /// Which directions were seen, for guidance.
-    public func coverage() throws -> DirectionCoverage { try native.coverage() }
+    /// Where the field has not pointed yet, unit vectors in the device frame, for guidance; ``MagneticReading/coverage`` is the share that
+    /// was seen.
+    public func unseenDirections() throws -> [DeviceVector] {
+        var numbers = [Double](repeating: 0, count: Int(MAGCOMP_DIRECTIONS) * 3)
+        let count = Int(try check(magcomp_unseen_directions(handle, &numbers)))
+        return (0..<count).map { DeviceVector(x: numbers[3 * $0], y: numbers[3 * $0 + 1], z: numbers[3 * $0 + 2]) }
+    }
 
     /// Forgets everything but the config it was made with, also a heading frame that was set since. Makes the
     /// compensator usable again after `MagcompError.panicked`.

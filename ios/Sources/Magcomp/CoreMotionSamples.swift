@@ -12,7 +12,7 @@ extension SensorSample {
     /// The event of a raw magnetometer sample; none where its time is none.
     public static func events(of data: CMMagnetometerData) -> [SensorSample] {
         nanoseconds(data.timestamp).map { timeNs in
-            [.magnetic(MagneticSample(timeNs: timeNs, fieldUt: DeviceVector(data.magneticField)))]
+            [.magnetic(SensorSample.Magnetic(timeNs: timeNs, fieldUt: DeviceVector(data.magneticField)))]
         } ?? []
     }
 
@@ -22,22 +22,24 @@ extension SensorSample {
     /// - Parameters:
     ///   - motion: as `CMMotionManager` gives it
     ///   - options: which of them
-    public static func events(of motion: CMDeviceMotion, _ options: SensorOptions = SensorOptions()) -> [SensorSample] {
+    public static func events(
+        of motion: CMDeviceMotion, _ options: CoreMotionSource.Options = CoreMotionSource.Options()
+    ) -> [SensorSample] {
         guard let timeNs = nanoseconds(motion.timestamp) else { return [] }
         var events: [SensorSample] = []
         if options.gyroscope {
             let rate = motion.rotationRate
             let rateRadS = DeviceVector(x: rate.x, y: rate.y, z: rate.z)
-            events.append(.rotationRate(RotationRateSample(timeNs: timeNs, rateRadS: rateRadS)))
+            events.append(.rotationRate(SensorSample.RotationRate(timeNs: timeNs, rateRadS: rateRadS)))
         }
         if options.up {
             let (down, g) = (motion.gravity, gravity)
             let upMS2 = DeviceVector(x: -down.x * g, y: -down.y * g, z: -down.z * g)
-            events.append(.up(UpSample(timeNs: timeNs, upMS2: upMS2)))
+            events.append(.up(SensorSample.Up(timeNs: timeNs, upMS2: upMS2)))
         }
         if options.systemField {
             let calibrated = motion.magneticField
-            let accuracy: SystemFieldSample.Accuracy =
+            let accuracy: SensorSample.SystemField.Accuracy =
                 switch calibrated.accuracy.rawValue {
                 case 0: .low
                 case 1: .medium
@@ -45,19 +47,19 @@ extension SensorSample {
                 default: .uncalibrated
                 }
             let field = DeviceVector(calibrated.field)
-            events.append(.systemField(SystemFieldSample(timeNs: timeNs, fieldUt: field, accuracy: accuracy)))
+            events.append(.systemField(SensorSample.SystemField(timeNs: timeNs, fieldUt: field, accuracy: accuracy)))
         }
         return events
     }
 }
 
-extension SensorOptions {
+extension CoreMotionSource.Options {
     /// What ``Compass/init()`` asks of the phone: 100 Hz, and the system's field too, where there is one.
-    public static var compass: SensorOptions { ofCompass(CMMotionManager.self) }
+    public static var compass: Self { ofCompass(CMMotionManager.self) }
 
-    static func ofCompass(_ manager: CMMotionManager.Type) -> SensorOptions {
+    static func ofCompass(_ manager: CMMotionManager.Type) -> Self {
         let isThere = manager.availableAttitudeReferenceFrames().contains(.xArbitraryCorrectedZVertical)
-        return SensorOptions(systemField: isThere)
+        return Self(systemField: isThere)
     }
 }
 

@@ -1,34 +1,3 @@
-/// How the phone's sensors are asked.
-public struct SensorOptions: Equatable, Sendable {
-    /// Events a second of each sensor, 1 to 1000; the system takes it as a wish and gives at most about 100. Default 100.
-    public var rateHz: Int
-    /// Whether the gyroscope is used. Default true.
-    public var gyroscope: Bool
-    /// Whether gravity is used; without it there is no heading. Default true.
-    public var up: Bool
-    /// Whether the system's own calibrated field is delivered too: for comparison, and because raw less calibrated field is the
-    /// system's hard iron, which gives a first heading before the phone was turned, with a wide sigma. Default false.
-    public var systemField: Bool
-    /// Longest that an event waits for earlier ones of other sensors, seconds, 0 to 0.25, so that all go out in the order of
-    /// their times though the system delivers one sensor later than another; 0: as they are delivered. Default 0.05.
-    public var holdS: Double
-
-    public init(
-        rateHz: Int = 100, gyroscope: Bool = true, up: Bool = true, systemField: Bool = false, holdS: Double = 0.05
-    ) {
-        (self.rateHz, self.gyroscope, self.up, self.systemField) = (rateHz, gyroscope, up, systemField)
-        self.holdS = holdS
-    }
-}
-
-extension SensorOptions {
-    static func check(holdS: Double, of name: String) throws {
-        guard (0...0.25).contains(holdS) else {
-            throw MagcompError.config(field: "\(name).holdS", value: "\(holdS)", expected: "0 to 0.25 s")
-        }
-    }
-}
-
 // macOS has a CoreMotion without these sensors
 #if canImport(CoreMotion) && !os(macOS)
 import CoreMotion
@@ -37,9 +6,9 @@ import Foundation
 /// The phone's own sensors: the raw magnetometer, and device motion for gravity and the gyroscope.
 ///
 /// Times become nanoseconds; gravity, which Core Motion reports in g and pointing down, becomes `up` in m/s^2. Events go out
-/// in the order of their times (``SensorOptions/holdS``), though device motion is delivered later than the magnetometer, or
+/// in the order of their times (``Options/holdS``), though device motion is delivered later than the magnetometer, or
 /// earlier; ``lagS`` says by how much. Updates start with the first iterator of ``samples()`` and stop with the last; each
-/// gets every event. Iterating throws ``SensorError`` when a sensor is missing or the system refuses, and
+/// gets every event. Iterating throws ``CompassError`` when a sensor is missing or the system refuses, and
 /// `MagcompError.config` for options out of range.
 ///
 /// Core Motion tells no range of the magnetometer; where an app knows it, `CompensationConfig.railUt` takes it. Core Motion's times leave out
@@ -50,7 +19,7 @@ public final class CoreMotionSource: MagneticFieldSource {
     /// With a motion manager of its own, made when the first iterator begins.
     ///
     /// - Parameter options: which sensors, how often
-    public convenience init(options: SensorOptions = SensorOptions()) {
+    public convenience init(options: Options = Options()) {
         self.init(options: { options }, manager: { CMMotionManager() }, continuousNs: systemContinuousNs)
     }
 
@@ -61,13 +30,13 @@ public final class CoreMotionSource: MagneticFieldSource {
     /// - Parameters:
     ///   - options: which sensors, how often
     ///   - manager: handed over: the compiler sees to it that nothing else uses it on another thread
-    public convenience init(options: SensorOptions = SensorOptions(), manager: sending CMMotionManager) {
+    public convenience init(options: Options = Options(), manager: sending CMMotionManager) {
         self.init(options: { options }, manager: { manager }, continuousNs: systemContinuousNs)
     }
 
     /// With another clock that counts sleep, nanoseconds. The system is asked for nothing before the first iterator begins.
     init(
-        options: @escaping @Sendable () -> SensorOptions, manager: @escaping () -> CMMotionManager,
+        options: @escaping @Sendable () -> Options, manager: @escaping () -> CMMotionManager,
         continuousNs: @escaping @Sendable () -> Int64 = systemContinuousNs
     ) {
         updates = Updates(manager, options, continuousNs)
@@ -82,8 +51,33 @@ public final class CoreMotionSource: MagneticFieldSource {
 
     /// By how much device motion lately came later than magnetometer events of the same time, seconds: the largest of about
     /// the last second; negative when the magnetometer came later; nil before both came. For a look at a new device: more
-    /// than ``SensorOptions/holdS`` costs accuracy.
+    /// than ``Options/holdS`` costs accuracy.
     public var lagS: Double? { updates.lagS }
+}
+
+extension CoreMotionSource {
+    /// How the phone's sensors are asked.
+    public struct Options: Equatable, Sendable {
+        /// Events a second of each sensor, 1 to 1000; the system takes it as a wish and gives at most about 100. Default 100.
+        public var rateHz: Int
+        /// Whether the gyroscope is used. Default true.
+        public var gyroscope: Bool
+        /// Whether gravity is used; without it there is no heading. Default true.
+        public var up: Bool
+        /// Whether the system's own calibrated field is delivered too: for comparison, and because raw less calibrated field is the
+        /// system's hard iron, which gives a first heading before the phone was turned, with a wide sigma. Default false.
+        public var systemField: Bool
+        /// Longest that an event waits for earlier ones of other sensors, seconds, 0 to 0.25, so that all go out in the order of
+        /// their times though the system delivers one sensor later than another; 0: as they are delivered. Default 0.05.
+        public var holdS: Double
+
+        public init(
+            rateHz: Int = 100, gyroscope: Bool = true, up: Bool = true, systemField: Bool = false, holdS: Double = 0.05
+        ) {
+            (self.rateHz, self.gyroscope, self.up, self.systemField) = (rateHz, gyroscope, up, systemField)
+            self.holdS = holdS
+        }
+    }
 }
 
 /// One motion manager and everyone who wants its events.
@@ -95,7 +89,7 @@ private final class Updates: @unchecked Sendable {
     private let lock = NSLock()
     private let make: () -> CMMotionManager
     private lazy var manager = make()
-    private let ask: @Sendable () -> SensorOptions
+    private let ask: @Sendable () -> CoreMotionSource.Options
     private lazy var options = ask()
     private var listeners: [Int: Listener] = [:]
     private var number = 0
@@ -107,7 +101,7 @@ private final class Updates: @unchecked Sendable {
     private let continuousNs: @Sendable () -> Int64
 
     init(
-        _ make: @escaping () -> CMMotionManager, _ ask: @escaping @Sendable () -> SensorOptions,
+        _ make: @escaping () -> CMMotionManager, _ ask: @escaping @Sendable () -> CoreMotionSource.Options,
         _ continuousNs: @escaping @Sendable () -> Int64
     ) {
         (self.make, self.ask, self.continuousNs) = (make, ask, continuousNs)
@@ -120,51 +114,43 @@ private final class Updates: @unchecked Sendable {
 
     func listen(_ listener: Listener) -> @Sendable () -> Void {
         do {
-            let number = try add(listener)
-            return { self.remove(number) }
+            let mine = try lock.withLock {
+                if listeners.isEmpty { try start() }
+                number += 1
+                listeners[number] = listener
+                return number
+            }
+            return { [self] in
+                lock.withLock { if listeners.removeValue(forKey: mine) != nil, listeners.isEmpty { stop() } }
+            }
         } catch {
             listener.end(error)
             return {}
         }
     }
 
-    private func add(_ listener: Listener) throws -> Int {
-        try lock.withLock {
-            if listeners.isEmpty { try start() }
-            number += 1
-            listeners[number] = listener
-            return number
-        }
-    }
-
-    private func remove(_ number: Int) {
-        lock.withLock {
-            if listeners.removeValue(forKey: number) != nil, listeners.isEmpty { stop() }
-        }
-    }
-
     private func start() throws {
         guard (1...1000).contains(options.rateHz) else {
             throw MagcompError.config(
-                field: "SensorOptions.rateHz", value: "\(options.rateHz)", expected: "1 to 1000")
+                field: "CoreMotionSource.Options.rateHz", value: "\(options.rateHz)", expected: "1 to 1000")
         }
-        try SensorOptions.check(holdS: options.holdS, of: "SensorOptions")
-        if refused(type(of: manager)) { throw SensorError.accessRefused(sensor: .motion) }
+        try EventQueue.check(holdS: options.holdS, of: "CoreMotionSource.Options")
+        if refused(type(of: manager)) { throw CompassError.accessRefused(sensor: .motion) }
         guard manager.isMagnetometerAvailable else {
-            throw SensorError.missing(sensor: .magnetometer, advice: "hide the compass")
+            throw CompassError.missing(sensor: .magnetometer, advice: "hide the compass")
         }
         let motion = options.gyroscope || options.up || options.systemField
         // only this frame and those of a compass carry the calibrated field
         let frame: CMAttitudeReferenceFrame = options.systemField ? .xArbitraryCorrectedZVertical : .xArbitraryZVertical
         if motion {
             guard manager.isDeviceMotionAvailable else {
-                throw SensorError.missing(
+                throw CompassError.missing(
                     sensor: .gyroscope,
-                    advice: "without a heading, use SensorOptions(gyroscope: false, up: false)")
+                    advice: "without a heading, use CoreMotionSource.Options(gyroscope: false, up: false)")
             }
             guard type(of: manager).availableAttitudeReferenceFrames().contains(frame) else {
-                throw SensorError.missing(
-                    sensor: .calibratedField, advice: "use SensorOptions(systemField: false)")
+                throw CompassError.missing(
+                    sensor: .calibratedField, advice: "use CoreMotionSource.Options(systemField: false)")
             }
         }
         run += 1
@@ -224,7 +210,7 @@ private final class Updates: @unchecked Sendable {
             // they were on their way when their run ended, and another has begun since
             guard run == self.run else { return ([], []) }
             note()
-            return (Array(listeners.values), events.flatMap { queued.push($0) })
+            return (Array(listeners.values), queued.push(events))
         }
         if due.isEmpty { return }
         for listener in all { listener.take(due) }
@@ -234,13 +220,13 @@ private final class Updates: @unchecked Sendable {
 
     var hiddenS: Double { lock.withLock { sleep.hiddenS } }
 
-    private func fail(_ sensor: SensorError.Sensor, _ error: any Error, in run: Int) {
+    private func fail(_ sensor: CompassError.Sensor, _ error: any Error, in run: Int) {
         let reason = error as NSError
         let code = reason.domain == CMErrorDomain ? UInt32(exactly: reason.code) : nil
         // passes by itself when the device is moved
         if code == CMErrorDeviceRequiresMovement.rawValue { return }
         let refused = [CMErrorNotAuthorized, CMErrorNotEntitled].contains { $0.rawValue == code }
-        let failure: SensorError =
+        let failure: CompassError =
             refused
             ? .accessRefused(sensor: sensor) : .refused(sensor: sensor, reason: "\(reason.domain) \(reason.code)")
         let (all, rest): ([Listener], [SensorSample]) = lock.withLock {
@@ -250,7 +236,7 @@ private final class Updates: @unchecked Sendable {
             stop()
             return (Array(listeners.values), queued.flush())
         }
-        // outside the lock: this calls `remove`
+        // outside the lock: the end of one that listens stops it
         for listener in all {
             listener.take(rest)
             listener.end(failure)

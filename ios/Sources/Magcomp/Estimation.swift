@@ -31,7 +31,7 @@ final class Estimation: @unchecked Sendable {
     /// The defect that took it away.
     private var defect: MagcompError?
     private var currentFrame: HeadingFrame?
-    private var systemField: SystemFieldSample?
+    private var systemField: SensorSample.SystemField?
     /// Time between the latest two of them.
     private var systemPeriodNs = firstPeriodNs
     /// Whether the system's hard iron would tell something: it was not told, and nothing was learned.
@@ -61,7 +61,7 @@ final class Estimation: @unchecked Sendable {
     /// Whether the store was told something that no run has waited for.
     private var isTold = false
     /// Gets all that the compensator is given.
-    private var recording: CompassRecording?
+    private var recording: Compass.Recording?
 
     init(
         _ config: CompensationConfig, store: (any CalibrationStore)?, hiddenS: @escaping @Sendable () -> Double = { 0 },
@@ -72,7 +72,7 @@ final class Estimation: @unchecked Sendable {
     }
 
     /// Records from now on. What was learned before goes into it as a kept calibration.
-    func record(_ make: () throws -> CompassRecording) throws -> CompassRecording {
+    func record(_ make: () throws -> Compass.Recording) throws -> Compass.Recording {
         try lock.withLock {
             if let recording, !recording.isOver {
                 throw MagcompError.config(
@@ -159,19 +159,15 @@ final class Estimation: @unchecked Sendable {
 
     /// Tells the compensator what something else knows; false where there is none, or it came too late or too early.
     func aid(_ help: SensorSample) throws -> Bool {
-        try lock.withLock {
-            if case .attitude(let pose) = help { seePose(pose) }
-            return try use { try aid(help, $0) } ?? false
-        }
+        try lock.withLock { try use { try aid(help, $0) } ?? false }
     }
 
     private func aid(_ help: SensorSample, _ compensator: Compensator) throws -> Bool {
-        let isTaken = try Compensator.taken {
-            switch help {
-            case .heading(let sample): try compensator.pushHeading(sample)
-            case .attitude(let sample): try compensator.pushAttitude(sample)
-            default: break
-            }
+        // a pose that can't be throws, before the world sees it
+        let isTaken = try compensator.take(help)
+        if case .attitude(let pose) = help {
+            world = world ?? WorldTurn()
+            world?.see(pose)
         }
         if isTaken {
             isAided = true
@@ -180,16 +176,10 @@ final class Estimation: @unchecked Sendable {
         return isTaken
     }
 
-    /// Notes an orientation in an outside world.
-    private func seePose(_ pose: AttitudeSample) {
-        if world == nil { world = WorldTurn() }
-        world?.see(pose)
-    }
-
     /// Magnetic north in that world.
-    var worldNorth: WorldNorth? { lock.withLock { world?.north } }
+    var worldNorth: Compass.WorldNorth? { lock.withLock { world?.north } }
 
-    func foundDeclination() throws -> FoundDeclination? {
+    func foundDeclination() throws -> Compass.FoundDeclination? {
         try lock.withLock { try use { try $0.foundDeclination() }.flatMap { $0 } }
     }
 
@@ -297,7 +287,6 @@ final class Estimation: @unchecked Sendable {
             try take(note.what, compensator)
             return nil
         case .heading, .attitude:
-            if case .attitude(let pose) = event { seePose(pose) }
             _ = try aid(event, compensator)
             return nil
         }
@@ -306,7 +295,7 @@ final class Estimation: @unchecked Sendable {
     }
 
     /// What a compass was told that was recorded.
-    private func take(_ what: RecordedNote.What, _ compensator: Compensator) throws {
+    private func take(_ what: SensorSample.Note.What, _ compensator: Compensator) throws {
         switch what {
         case .run: beginRun()
         case .reset: resetLearned()
@@ -318,7 +307,7 @@ final class Estimation: @unchecked Sendable {
         }
     }
 
-    private func push(_ sample: MagneticSample, to compensator: Compensator) throws -> CompensatedReading {
+    private func push(_ sample: SensorSample.Magnetic, to compensator: Compensator) throws -> CompensatedReading {
         try noteSleep(compensator)
         let wanted = frames.value
         if wanted != currentFrame {
@@ -342,7 +331,7 @@ final class Estimation: @unchecked Sendable {
             storeError: storeError, headingAid: isAided ? try compensator.headingAid() : nil)
     }
 
-    private func see(_ sample: SystemFieldSample) {
+    private func see(_ sample: SensorSample.SystemField) {
         if let before = systemField {
             let apart = Self.apart(before.timeNs, sample.timeNs)
             // what was delivered twice tells nothing
@@ -353,7 +342,7 @@ final class Estimation: @unchecked Sendable {
 
     /// The system's hard iron, raw less calibrated field, is better than none: a heading at once. Beside a calibration it is listened
     /// to only where the system itself is sure of it.
-    private func withSystemsHardIron(_ sample: MagneticSample) -> MagneticSample {
+    private func withSystemsHardIron(_ sample: SensorSample.Magnetic) -> SensorSample.Magnetic {
         guard let systemField, systemField.accuracy != .uncalibrated, systemField.accuracy == .high || !isInForce,
             Self.apart(systemField.timeNs, sample.timeNs) <= systemPeriodNs
         else { return sample }
@@ -383,7 +372,7 @@ final class Estimation: @unchecked Sendable {
         }
         if lookedNs.map({ Self.apart(timeNs, $0) >= Self.lookEveryNs }) ?? true {
             (lookedNs, lookedS) = (timeNs, unixTimeS())
-            unseen = try compensator.coverage().unseenDirections
+            unseen = try compensator.unseenDirections()
             if let since, Self.apart(timeNs, since) >= Self.saveEveryNs, saveChanged() { savedNs = timeNs }
         }
     }

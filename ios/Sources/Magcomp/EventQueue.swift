@@ -23,38 +23,53 @@ struct EventQueue: Sendable {
     private var beginNs: Int64 = 0
     /// Time of the latest event of the gyroscope, of `up` and of the magnetometer.
     private var latestNs = [never, never, never]
+    /// The latest of these.
+    private var newestNs = never
+
+    /// The range of what an app sets.
+    static func check(holdS: Double, of name: String) throws {
+        guard (0...0.25).contains(holdS) else {
+            throw MagcompError.config(field: "\(name).holdS", value: "\(holdS)", expected: "0 to 0.25 s")
+        }
+    }
 
     /// - Parameter holdS: longest that an event waits, seconds; 0: every event goes out as it comes
     init(holdS: Double) { holdNs = Int64(holdS * 1e9) }
 
-    /// Takes the event that was delivered next, and gives those whose turn it is now, in order.
-    mutating func push(_ event: SensorSample) -> [SensorSample] {
+    /// Takes the events that were delivered next, and gives those whose turn it is now, in order.
+    mutating func push(_ events: [SensorSample]) -> [SensorSample] {
+        var out: [SensorSample] = []
+        for event in events { push(event, &out) }
+        return out
+    }
+
+    private mutating func push(_ event: SensorSample, _ out: inout [SensorSample]) {
         let timeNs = event.timeNs
         let sinceNs = timeNs.since(newestNs)
-        var out: [SensorSample] = []
         if newestNs == Self.never || sinceNs > Self.pauseNs || sinceNs < -Self.anotherClockNs {
-            out = flush()
+            out += flush()
             beginNs = timeNs
         }
         // nearly always at the end
         var place = waiting.count
         while place > 0, (timeNs, event.place) < (waiting[place - 1].timeNs, waiting[place - 1].place) { place -= 1 }
         waiting.insert(event, at: place)
-        if event.isAwaited { latestNs[event.place] = timeNs }
+        if event.isAwaited {
+            latestNs[event.place] = timeNs
+            newestNs = latestNs.max() ?? timeNs
+        }
         let due = waiting.indices.first { !isDue(waiting[$0].timeNs, waiting: waiting.count - $0) } ?? waiting.count
+        if due == 0 { return }
         out += waiting[..<due]
         waiting.removeFirst(due)
-        return out
     }
 
     /// Everything that waits: the stream has ended, or another begins.
     mutating func flush() -> [SensorSample] {
-        latestNs = [Self.never, Self.never, Self.never]
+        (latestNs, newestNs) = ([Self.never, Self.never, Self.never], Self.never)
         defer { waiting = [] }
         return waiting
     }
-
-    private var newestNs: Int64 { latestNs.max() ?? Self.never }
 
     private func isDue(_ timeNs: Int64, waiting: Int) -> Bool {
         waiting >= Self.room || newestNs.since(timeNs) >= holdNs

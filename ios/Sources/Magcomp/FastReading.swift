@@ -27,7 +27,7 @@ extension MagneticReading {
             worstSigmaDeg: known(c.worst_sigma_deg),
             modelOrder: ModelOrder(c.model_order),
             reportedHardIronJumpUt: known(c.reported_hard_iron_jump_ut),
-            mode: SensorMode(c.mode),
+            mode: MagneticReading.SensorMode(c.mode),
             event: FieldEvent(c.event),
             status: CompensationStatus(c.status)
         )
@@ -48,7 +48,7 @@ private func unknown(_ what: String, _ code: Int32) -> Never {
     fatalError("\(what) \(code): the library's native part is of another version")
 }
 
-extension SensorMode {
+extension MagneticReading.SensorMode {
     fileprivate init(_ code: Int32) {
         self =
             switch code {
@@ -75,7 +75,7 @@ extension ModelOrder {
 
 extension FieldEvent {
     fileprivate init?(_ c: MagcompEvent) {
-        let kind: FieldEventKind? =
+        let kind: FieldEvent.Kind? =
             switch c.kind {
             case 0: .deviceStep
             case 1: .deviceStepBack
@@ -91,23 +91,23 @@ extension CompensationStatus {
     init(_ c: MagcompStatus) {
         self =
             switch c.kind {
-            case 0: .collecting(missing: CollectingReason(c))
+            case 0: .collecting(missing: CompensationStatus.CollectingReason(c))
             case 1: .tracking
             case 2: .suspect(sinceNs: c.whole.0)
-            case 3: .held(reason: HoldReason(c))
+            case 3: .held(reason: CompensationStatus.HoldReason(c))
             case 4: .disturbed(sinceNs: c.whole.0)
-            case 5: .rejected(reason: RejectReason(c))
+            case 5: .rejected(reason: CompensationStatus.RejectReason(c))
             default: unknown("status", c.kind)
             }
     }
 }
 
-extension CollectingReason {
+extension CompensationStatus.CollectingReason {
     fileprivate init(_ c: MagcompStatus) {
         self =
             switch c.reason {
             case 0: .samples(have: Int(clamping: c.whole.0), need: Int(clamping: c.whole.1))
-            case 1: .fit(problem: FitProblem(c))
+            case 1: .fit(problem: CompensationStatus.FitProblem(c))
             case 2: .rotation
             case 3: .directions
             default: unknown("missing", c.reason)
@@ -115,12 +115,12 @@ extension CollectingReason {
     }
 }
 
-extension HoldReason {
+extension CompensationStatus.HoldReason {
     fileprivate init(_ c: MagcompStatus) {
         self =
             switch c.reason {
             case 0: .lowUniformity
-            case 1: .fitRefused(problem: FitProblem(c))
+            case 1: .fitRefused(problem: CompensationStatus.FitProblem(c))
             case 2: .constant
             case 3: .atRest
             case 4: .tooLittleRotation
@@ -130,14 +130,14 @@ extension HoldReason {
     }
 }
 
-extension RejectReason {
+extension CompensationStatus.RejectReason {
     fileprivate init(_ c: MagcompStatus) {
         let (a, b, third) = c.real
         self =
             switch c.reason {
             case 0: .notFinite
             case 1: .outOfRange(valueUt: a, limitUt: b)
-            case 2: .saturated(axis: DeviceAxis(c.whole.0), valueUt: a, railUt: b)
+            case 2: .saturated(axis: DeviceVector.Axis(c.whole.0), valueUt: a, railUt: b)
             case 3: .timeNotAfter(timeNs: c.whole.0, latestNs: c.whole.1)
             case 4: .timeJump(gapS: a, limitS: b)
             case 5: .stuck(repeats: Int(clamping: c.whole.0))
@@ -147,7 +147,7 @@ extension RejectReason {
     }
 }
 
-extension FitProblem {
+extension CompensationStatus.FitProblem {
     fileprivate init(_ c: MagcompStatus) {
         let (a, b, third) = c.real
         self =
@@ -164,7 +164,7 @@ extension FitProblem {
     }
 }
 
-extension DeviceAxis {
+extension DeviceVector.Axis {
     fileprivate init(_ number: Int64) {
         self =
             switch number {

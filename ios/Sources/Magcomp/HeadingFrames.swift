@@ -5,7 +5,7 @@ extension DeviceAttitude {
     /// - Parameters:
     ///   - fieldUt: the corrected field, microtesla
     ///   - up: any length, pointing up
-    public init?(fieldUt: DeviceVector, up: DeviceVector) throws {
+    @_spi(Research) public init?(fieldUt: DeviceVector, up: DeviceVector) throws {
         guard let found = try attitude(fieldUt: fieldUt, up: up) else { return nil }
         self = found
     }
@@ -19,7 +19,7 @@ extension CompassHeading {
     ///   - fieldUt: the corrected field, microtesla
     ///   - up: any length, pointing up
     ///   - frame: the axis whose heading it is; with a declination there is a true heading
-    public init?(fieldUt: DeviceVector, up: DeviceVector, frame: HeadingFrame) throws {
+    @_spi(Research) public init?(fieldUt: DeviceVector, up: DeviceVector, frame: HeadingFrame) throws {
         guard let found = try heading(fieldUt: fieldUt, up: up, frame: frame) else { return nil }
         self = found
     }
@@ -29,12 +29,12 @@ extension CompassHeading {
     /// - Parameters:
     ///   - headingDeg: clockwise from magnetic north, degrees
     ///   - declinationDeg: from true to magnetic north, degrees, east positive
-    public static func trueHeadingDeg(headingDeg: Double, declinationDeg: Double) -> Double {
+    @_spi(Research) public static func trueHeadingDeg(headingDeg: Double, declinationDeg: Double) -> Double {
         Magcomp.trueHeadingDeg(headingDeg: headingDeg, declinationDeg: declinationDeg)
     }
 }
 
-extension ScreenRotation {
+extension HeadingFrame.ScreenRotation {
     /// By the raw value of a `UIInterfaceOrientation`: 1 portrait, 2 upside down, 3 landscape with the home button's edge
     /// to the right (the device was turned counter-clockwise), 4 to the left. Nil for any other, which is none.
     init?(interfaceOrientation rawValue: Int) {
@@ -51,7 +51,7 @@ extension ScreenRotation {
 #if canImport(UIKit) && os(iOS)
 import UIKit
 
-extension ScreenRotation {
+extension HeadingFrame.ScreenRotation {
     /// How far the screen has turned, by the window scene's orientation; nil for `.unknown`, which tells nothing: leave
     /// ``Compass/screenRotation`` as it is then.
     public init?(_ orientation: UIInterfaceOrientation) { self.init(interfaceOrientation: orientation.rawValue) }

@@ -4,7 +4,7 @@ import Foundation
 /// one, the shorter way round: y += (1 - 2^(-dt / halfLife)) wrap(x - y).
 ///
 /// In a steady turn the shown heading lags by about 1.4 half-lives; the heading's sigma does not count this lag.
-struct HeadingSmoother: Equatable, Sendable {
+struct HeadingSmoother {
     /// Seconds in which half of a difference goes.
     let halfLifeS: Double
     private var latest: (headingDeg: Double, timeNs: Int64)?
@@ -27,11 +27,9 @@ struct HeadingSmoother: Equatable, Sendable {
         return shown
     }
 
-    /// The next heading is the first again.
-    mutating func reset() { latest = nil }
-
-    static func == (one: Self, other: Self) -> Bool {
-        one.halfLifeS == other.halfLifeS && one.latest?.headingDeg == other.latest?.headingDeg
-            && one.latest?.timeNs == other.latest?.timeNs
+    /// As above; nothing is smoothed across a moment without a heading.
+    mutating func push(_ headingDeg: Double?, timeNs: Int64) -> Double? {
+        if headingDeg == nil { latest = nil }
+        return headingDeg.map { push($0, timeNs: timeNs) }
     }
 }

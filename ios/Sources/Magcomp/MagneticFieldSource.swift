@@ -13,28 +13,23 @@ extension MagneticFieldSource {
     public var hiddenS: Double { 0 }
 }
 
-/// One without events, for previews.
-struct NoSource: MagneticFieldSource {
-    func samples() -> SensorSamples { SensorSamples { AsyncStream { $0.finish() } } }
-}
-
 /// One event of one of the sensors, with its own time.
 public enum SensorSample: Equatable, Codable, Sendable {
     /// A raw magnetometer event.
-    case magnetic(MagneticSample)
+    case magnetic(Magnetic)
     /// A gyroscope event.
-    case rotationRate(RotationRateSample)
+    case rotationRate(RotationRate)
     /// An accelerometer or gravity event.
-    case up(UpSample)
+    case up(Up)
     /// The operating system's own calibrated field. A compensator does not use it; a ``Compass`` takes from it a first hard
     /// iron, where it has no better.
-    case systemField(SystemFieldSample)
+    case systemField(SystemField)
     /// A heading from outside, as a recording has it; an app tells its own by `Compass.aid`.
-    case heading(HeadingSample)
+    case heading(Heading)
     /// An orientation from outside, as a recording has it; an app tells its own by `Compass.aid`.
-    case attitude(AttitudeSample)
+    case attitude(Attitude)
     /// What else the compass was told, as a recording has it.
-    case note(RecordedNote)
+    indirect case note(Note)
 
     /// Time of the event, nanoseconds, on one clock for all sensors.
     public var timeNs: Int64 {
@@ -53,40 +48,42 @@ public enum SensorSample: Equatable, Codable, Sendable {
     var isNote: Bool { if case .note = self { true } else { false } }
 }
 
-/// What a compass was told besides events, at its place among them: how long the phone slept, the heading's frame, a calibration that was
-/// taken over, a reset, a new run of the sensors. A ``RecordingSource`` gives them, so that its readings are those of the compass that
-/// was recorded.
-public struct RecordedNote: Equatable, Codable, Sendable {
-    enum What: Equatable, Codable, Sendable {
-        case run, reset
-        case kept(text: String, unixTimeS: Int64)
-        case slept(seconds: Double)
-        case frame(HeadingFrame)
+extension SensorSample {
+    /// What a compass was told besides events, at its place among them: how long the phone slept, the heading's frame, a calibration that was
+    /// taken over, a reset, a new run of the sensors. A ``RecordingSource`` gives them, so that its readings are those of the compass that
+    /// was recorded.
+    public struct Note: Equatable, Codable, Sendable {
+        enum What: Equatable, Codable, Sendable {
+            case run, reset
+            case kept(text: String, unixTimeS: Int64)
+            case slept(seconds: Double)
+            case frame(HeadingFrame)
+        }
+
+        /// Time of the recording's row, nanoseconds.
+        public let timeNs: Int64
+        let what: What
     }
 
-    /// Time of the recording's row, nanoseconds.
-    public let timeNs: Int64
-    let what: What
-}
+    /// The field as the operating system has calibrated it.
+    public struct SystemField: Equatable, Codable, Sendable {
+        /// How well the operating system says that it is calibrated.
+        public enum Accuracy: String, Equatable, Codable, Sendable {
+            case uncalibrated, low, medium, high
+        }
 
-/// The field as the operating system has calibrated it.
-public struct SystemFieldSample: Equatable, Codable, Sendable {
-    /// How well the operating system says that it is calibrated.
-    public enum Accuracy: String, Equatable, Codable, Sendable {
-        case uncalibrated, low, medium, high
-    }
+        /// Time of the event, nanoseconds, on the magnetometer's clock.
+        public var timeNs: Int64
+        /// The calibrated field, microtesla, device frame.
+        public var fieldUt: DeviceVector
+        /// How well it is calibrated.
+        public var accuracy: Accuracy
 
-    /// Time of the event, nanoseconds, on the magnetometer's clock.
-    public var timeNs: Int64
-    /// The calibrated field, microtesla, device frame.
-    public var fieldUt: DeviceVector
-    /// How well it is calibrated.
-    public var accuracy: Accuracy
-
-    public init(timeNs: Int64, fieldUt: DeviceVector, accuracy: Accuracy) {
-        self.timeNs = timeNs
-        self.fieldUt = fieldUt
-        self.accuracy = accuracy
+        public init(timeNs: Int64, fieldUt: DeviceVector, accuracy: Accuracy) {
+            self.timeNs = timeNs
+            self.fieldUt = fieldUt
+            self.accuracy = accuracy
+        }
     }
 }
 

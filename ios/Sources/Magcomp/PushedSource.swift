@@ -14,7 +14,7 @@ public final class PushedSource: MagneticFieldSource {
     private let holdS: Double
     private let state: Locked<State>
 
-    /// - Parameter holdS: longest that an event waits for those of other sensors, seconds, 0 to 0.25, as ``SensorOptions/holdS``
+    /// - Parameter holdS: longest that an event waits for those of other sensors, seconds, 0 to 0.25, as `CoreMotionSource.Options.holdS`
     public init(holdS: Double = 0.05) {
         self.holdS = holdS
         state = Locked(State(queue: EventQueue(holdS: 0)))
@@ -22,7 +22,7 @@ public final class PushedSource: MagneticFieldSource {
 
     /// Gives events to everyone who iterates. Any thread may call, one at a time.
     public func push(_ events: [SensorSample]) {
-        let (listeners, due) = state.change { state in (state.listeners.values, events.flatMap { state.queue.push($0) }) }
+        let (listeners, due) = state.change { state in (state.listeners.values, state.queue.push(events)) }
         if due.isEmpty { return }
         for listener in listeners { listener.take(due) }
     }
@@ -32,7 +32,7 @@ public final class PushedSource: MagneticFieldSource {
 
     public func samples() -> SensorSamples {
         SensorSamples.calls { [state, holdS] listener in
-            do { try SensorOptions.check(holdS: holdS, of: "PushedSource") } catch {
+            do { try EventQueue.check(holdS: holdS, of: "PushedSource") } catch {
                 listener.end(error)
                 return {}
             }

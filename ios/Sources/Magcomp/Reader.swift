@@ -1,5 +1,8 @@
 /// What one reader has not taken yet. The task of one run fills it, one iterator at a time empties it; either may wait for the other.
 final class Reader: Sendable {
+    /// Who waits for the next reading. One who waits is resumed once: it is taken out of the state first.
+    private typealias Iterating = UnsafeContinuation<CompensatedReading?, any Error>
+
     private struct State {
         /// From `first` on.
         var kept: [CompensatedReading] = []
@@ -7,7 +10,7 @@ final class Reader: Sendable {
         /// Dropped since the latest was taken.
         var dropped = 0
         var taken = 0
-        var iterating: CheckedContinuation<CompensatedReading?, any Error>?
+        var iterating: Iterating?
         var filling: CheckedContinuation<Void, Never>?
         /// Counts the waits for room, and what there was when it was looked last.
         var wait = 0
@@ -49,10 +52,10 @@ final class Reader: Sendable {
         }
 
         /// The iterator that waits, and what it gets.
-        mutating func woken() -> (() -> Void)? {
+        mutating func woken() -> (iterating: Iterating, next: Result<CompensatedReading?, any Error>)? {
             guard let iterating, let next = next() else { return nil }
             self.iterating = nil
-            return { iterating.resume(with: next) }
+            return (iterating, next)
         }
 
         mutating func filled() -> CheckedContinuation<Void, Never>? {
@@ -74,10 +77,10 @@ final class Reader: Sendable {
 
     /// Keeps readings. Where there is no more room the oldest goes, or those that are left are returned if `waits`.
     func take(_ readings: ArraySlice<CompensatedReading>, waits: Bool) -> ArraySlice<CompensatedReading> {
-        let (rest, wake) = state.change { state in
+        let (rest, woken) = state.change { state in
             var rest = readings
             while let reading = rest.first, !waits || state.count < capacity {
-                rest.removeFirst()
+                rest = rest.dropFirst()
                 let timeNs = reading.sample.timeNs
                 if reading.isSilent {
                     (state.keptNs, state.early) = (nil, nil)
@@ -94,7 +97,7 @@ final class Reader: Sendable {
             }
             return (state.isOver ? [] : rest, state.count > 0 ? state.woken() : nil)
         }
-        wake?()
+        if let woken { woken.iterating.resume(with: woken.next) }
         return rest
     }
 
@@ -127,20 +130,20 @@ final class Reader: Sendable {
 
     /// Nothing comes any more; what is kept may still be taken.
     func finish(_ failure: (any Error)? = nil) {
-        let (wake, filling) = state.change { state in
+        let (woken, filling) = state.change { state in
             if !state.isOver {
                 (state.isOver, state.failure) = (true, failure)
                 if let early = state.early { state.keep(early, capacity) }
             }
             return (state.woken(), state.filled())
         }
-        wake?()
+        if let woken { woken.iterating.resume(with: woken.next) }
         filling?.resume()
     }
 
     /// The next reading, on the caller's actor: nobody changes threads for one that is there.
     func next(isolation actor: isolated (any Actor)?) async throws -> CompensatedReading? {
-        try await withCheckedThrowingContinuation(isolation: actor) { continuation in
+        try await withUnsafeThrowingContinuation(isolation: actor) { continuation in
             let (next, filling) = state.change { state in
                 precondition(state.iterating == nil, "two tasks ask one iterator at a time")
                 let next = state.next()

@@ -1,23 +1,5 @@
 import Foundation
 
-/// A recording is not in order.
-public struct RecordingSourceError: Error, Equatable, Sendable {
-    /// The recording.
-    public let name: String
-    /// Line in it, from 1.
-    public let line: Int
-    /// Column's name, or nil when the line as a whole is wrong.
-    public let column: String?
-    /// What is wrong with it.
-    public let problem: String
-}
-
-extension RecordingSourceError: LocalizedError {
-    public var errorDescription: String? {
-        "\(name), line \(line)" + (column.map { ", column \($0)" } ?? "") + ": \(problem)"
-    }
-}
-
 /// A recording as CSV, as `magcomp import` and ``Compass/record(to:mostBytes:)`` write it, for tests, demos and bug reports:
 /// `t_s,mx,my,mz[,ax,ay,az][,gx,gy,gz][,sys_mx,sys_my,sys_mz][,course_deg,course_sigma_deg]` in any order, seconds, microtesla, m/s^2
 /// (pointing up at rest), rad/s, the system's own field in microtesla, degrees from true north; what a compass's own recording has beside
@@ -28,13 +10,13 @@ extension RecordingSourceError: LocalizedError {
 /// The recording of a compass plays as it was, reading for reading, in a compass with the same config and without a store: it sets the
 /// compass's frame, takes over the calibration that the recorded one took over, and forgets where that forgot.
 ///
-/// Rows wait for whoever reads them, so none of their readings is dropped. Iterating throws ``RecordingSourceError`` where the
+/// Rows wait for whoever reads them, so none of their readings is dropped. Iterating throws ``RecordingSource/FileError`` where the
 /// recording is not in order.
 public struct RecordingSource: MagneticFieldSource {
     private let name: String
     private let open: @Sendable () throws -> Data
     private let speed: Double?
-    private let courses: HeadedAxis?
+    private let courses: SensorSample.HeadedAxis?
     private let clock: any WaitingClock
 
     /// - Parameters:
@@ -43,7 +25,8 @@ public struct RecordingSource: MagneticFieldSource {
     ///   - courses: what of the phone pointed along the courses; nil: they are passed over
     ///   - open: gives the text anew for every iterator
     public init(
-        name: String, speed: Double? = nil, courses: HeadedAxis? = nil, open: @escaping @Sendable () throws -> Data
+        name: String, speed: Double? = nil, courses: SensorSample.HeadedAxis? = nil,
+        open: @escaping @Sendable () throws -> Data
     ) {
         self.init(name: name, speed: speed, courses: courses, clock: SystemClock(), open: open)
     }
@@ -54,14 +37,14 @@ public struct RecordingSource: MagneticFieldSource {
     ///   - url: the file
     ///   - speed: 1 plays at the recording's own pace, 2 twice as fast, above 0; nil: as fast as it is read
     ///   - courses: what of the phone pointed along the courses; nil: they are passed over
-    public init(url: URL, speed: Double? = nil, courses: HeadedAxis? = nil) {
+    public init(url: URL, speed: Double? = nil, courses: SensorSample.HeadedAxis? = nil) {
         self.init(name: url.lastPathComponent, speed: speed, courses: courses) {
             try Data(contentsOf: url, options: .alwaysMapped)
         }
     }
 
     init(
-        name: String, speed: Double?, courses: HeadedAxis? = nil, clock: any WaitingClock,
+        name: String, speed: Double?, courses: SensorSample.HeadedAxis? = nil, clock: any WaitingClock,
         open: @escaping @Sendable () throws -> Data
     ) {
         (self.name, self.speed, self.courses, self.clock, self.open) = (name, speed, courses, clock, open)
@@ -127,20 +110,10 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
     /// Rows that are read at once where nothing is waited for.
     private static let together = 32
     private static let gzip: [UInt8] = [0x1f, 0x8b]
-    private static let time = ["t_s"], magnetic = ["mx", "my", "mz"], up = ["ax", "ay", "az"], rate = ["gx", "gy", "gz"]
-    private static let system = ["sys_mx", "sys_my", "sys_mz"], course = ["course_deg", "course_sigma_deg"]
-    private static let pose = ["pose_w", "pose_x", "pose_y", "pose_z"], kept = ["kept", "unix_s"]
-    private static let frame = ["axis", "screen_deg", "declination_deg"],
-        reported = ["reported_bx", "reported_by", "reported_bz"]
-    /// Those that stand alone.
-    private static let single = [
-        "own_t_s", "sys_accuracy", "course_north", "course_of", "pose_yaw_sigma_deg", "pose_north", "slept_s", "reset",
-        "run",
-    ]
 
     let name: String
     let open: @Sendable () throws -> Data
-    private let courses: HeadedAxis?
+    private let courses: SensorSample.HeadedAxis?
     private var pace: Pace?
     private var lines: Lines?
     private var columns: [String: Int] = [:]
@@ -149,7 +122,7 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
     /// What is wrong with the row after those that were given.
     private var failure: (any Error)?
 
-    init(name: String, pace: Pace?, courses: HeadedAxis?, open: @escaping @Sendable () throws -> Data) {
+    init(name: String, pace: Pace?, courses: SensorSample.HeadedAxis?, open: @escaping @Sendable () throws -> Data) {
         (self.name, self.pace, self.courses, self.open) = (name, pace, courses, open)
     }
 
@@ -179,25 +152,21 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
         try pace?.check()
         let data = try open()
         guard !data.starts(with: Self.gzip) else {
-            throw RecordingSourceError(
+            throw RecordingSource.FileError(
                 name: name, line: 1, column: nil, problem: "it is compressed; decompress it with gunzip")
         }
         lines = Lines(data: data)
         guard let header = nextLine() else {
-            throw RecordingSourceError(name: name, line: 1, column: nil, problem: "the header is missing")
+            throw RecordingSource.FileError(name: name, line: 1, column: nil, problem: "the header is missing")
         }
         // spreadsheets write a mark first
         let names = cells(header.hasPrefix("\u{FEFF}") ? String(header.dropFirst()) : header)
         width = names.count
         columns = Dictionary(zip(names, 0...), uniquingKeysWith: { first, _ in first })
-        for column in ["t_s"] + Self.magnetic where columns[column] == nil {
+        for column in ["t_s", "mx", "my", "mz"] where columns[column] == nil {
             throw wrong(column, "the column is missing")
         }
-        let groups = [
-            Self.time, Self.magnetic, Self.up, Self.rate, Self.system, Self.course, Self.pose, Self.kept, Self.frame,
-            Self.reported,
-        ]
-        for group in groups + Self.single.map({ [$0] }) {
+        for group in [["t_s"], ["own_t_s"]] + RecordedColumn.allCases.flatMap(\.groups) {
             for column in group where names.count(where: { $0 == column }) > 1 {
                 throw wrong(column, "the column is there twice")
             }
@@ -221,55 +190,56 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
         let rowNs = try time("t_s", cells)
         let timeNs = self.text("own_t_s", cells) == nil ? rowNs : try time("own_t_s", cells)
         var row: [SensorSample] = []
-        func note(_ what: RecordedNote.What) { row.append(.note(RecordedNote(timeNs: rowNs, what: what))) }
+        func note(_ what: SensorSample.Note.What) { row.append(.note(SensorSample.Note(timeNs: rowNs, what: what))) }
         if self.text("reset", cells) != nil { note(.reset) }
         if let kept = self.text("kept", cells) { note(.kept(text: kept, unixTimeS: try whole("unix_s", cells))) }
         if self.text("run", cells) != nil { note(.run) }
         // what a recording of a compass has was told to it; of others the app says whose courses they are
-        if let course = try numbers(Self.course, cells),
+        if let course = try numbers(RecordedColumn.course.groups[0], cells),
             let headed = try self.text("course_of", cells).map({ try axis($0) }) ?? courses
         {
-            let sample = HeadingSample(
+            let sample = SensorSample.Heading(
                 timeNs: timeNs, headingDeg: course[0], sigmaDeg: course[1],
-                reference: try north("course_north", cells) ?? .true, axis: headed)
+                reference: try one("course_north", cells) ?? .true, axis: headed)
             row.append(.heading(sample))
         }
-        if let pose = try numbers(Self.pose, cells) {
+        if let pose = try numbers(RecordedColumn.pose.groups[0], cells) {
             let isKnown = self.text("pose_yaw_sigma_deg", cells) != nil
-            let yaw: WorldYaw =
+            let yaw: SensorSample.Attitude.WorldYaw =
                 isKnown
                 ? .absolute(
-                    sigmaDeg: try number("pose_yaw_sigma_deg", cells), reference: try north("pose_north", cells) ?? .true)
+                    sigmaDeg: try number("pose_yaw_sigma_deg", cells), reference: try one("pose_north", cells) ?? .true)
                 : .relative
-            row.append(.attitude(AttitudeSample(timeNs: timeNs, w: pose[0], x: pose[1], y: pose[2], z: pose[3], yaw: yaw)))
+            row.append(
+                .attitude(SensorSample.Attitude(timeNs: timeNs, w: pose[0], x: pose[1], y: pose[2], z: pose[3], yaw: yaw)))
         }
-        if let rate = try vector(Self.rate, cells) {
-            row.append(.rotationRate(RotationRateSample(timeNs: timeNs, rateRadS: rate)))
+        if let rate = try vector(.rate, cells) {
+            row.append(.rotationRate(SensorSample.RotationRate(timeNs: timeNs, rateRadS: rate)))
         }
-        if let up = try vector(Self.up, cells) { row.append(.up(UpSample(timeNs: timeNs, upMS2: up))) }
-        if let field = try vector(Self.system, cells) {
+        if let up = try vector(.up, cells) { row.append(.up(SensorSample.Up(timeNs: timeNs, upMS2: up))) }
+        if let field = try vector(.system, cells) {
             // nothing begins with a field of which the recording does not say how sure the system was
-            let accuracy = try one(of: SystemFieldSample.Accuracy.ofCells, "sys_accuracy", cells) ?? .uncalibrated
-            row.append(.systemField(SystemFieldSample(timeNs: timeNs, fieldUt: field, accuracy: accuracy)))
+            let accuracy: SensorSample.SystemField.Accuracy = try one("sys_accuracy", cells) ?? .uncalibrated
+            row.append(.systemField(SensorSample.SystemField(timeNs: timeNs, fieldUt: field, accuracy: accuracy)))
         }
         if self.text("slept_s", cells) != nil { note(.slept(seconds: try number("slept_s", cells))) }
-        if let axis = try one(of: ReferenceAxis.ofCells, "axis", cells) {
-            let rotation = try one(of: ScreenRotation.ofCells, "screen_deg", cells) ?? .deg0
+        if let axis: HeadingFrame.ReferenceAxis = try one("axis", cells) {
+            let rotation: HeadingFrame.ScreenRotation = try one("screen_deg", cells) ?? .deg0
             let declinationDeg = try number("declination_deg", cells)
             note(
                 .frame(
                     HeadingFrame(
                         axis: axis, screenRotation: rotation, declinationDeg: declinationDeg.isNaN ? nil : declinationDeg)))
         }
-        if let field = try vector(Self.magnetic, cells) {
-            let reported = try vector(Self.reported, cells)
-            row.append(.magnetic(MagneticSample(timeNs: timeNs, fieldUt: field, reportedHardIronUt: reported)))
+        if let field = try vector(.magnetic, cells) {
+            let reported = try vector(.magnetic, cells, group: 1)
+            row.append(.magnetic(SensorSample.Magnetic(timeNs: timeNs, fieldUt: field, reportedHardIronUt: reported)))
         }
         events += row
     }
 
-    private func vector(_ names: [String], _ cells: [String]) throws -> DeviceVector? {
-        try numbers(names, cells).map { DeviceVector(x: $0[0], y: $0[1], z: $0[2]) }
+    private func vector(_ column: RecordedColumn, _ cells: [String], group: Int = 0) throws -> DeviceVector? {
+        try numbers(column.groups[group], cells).map { DeviceVector(x: $0[0], y: $0[1], z: $0[2]) }
     }
 
     /// Nil where the sensor has no columns, or said nothing: all its cells are empty then.
@@ -307,20 +277,16 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
     }
 
     /// Nil for an empty cell.
-    private func one<Value>(of values: [String: Value], _ column: String, _ cells: [String]) throws -> Value? {
+    private func one<Value: Celled>(_ column: String, _ cells: [String]) throws -> Value? {
         guard let text = text(column, cells) else { return nil }
-        guard let value = values[text] else {
-            throw wrong(column, "'\(text)' is none of \(values.keys.sorted().joined(separator: ", "))")
+        guard let value = Value.ofCells[text] else {
+            throw wrong(column, "'\(text)' is none of \(Value.ofCells.keys.sorted().joined(separator: ", "))")
         }
         return value
     }
 
-    private func north(_ column: String, _ cells: [String]) throws -> NorthReference? {
-        try one(of: ["true": .true, "magnetic": .magnetic], column, cells)
-    }
-
-    private func axis(_ text: String) throws -> HeadedAxis {
-        guard let axis = HeadedAxis(cell: text) else {
+    private func axis(_ text: String) throws -> SensorSample.HeadedAxis {
+        guard let axis = SensorSample.HeadedAxis(cell: text) else {
             throw wrong("course_of", "'\(text)' is neither vehicle nor three numbers")
         }
         return axis
@@ -367,8 +333,8 @@ private struct Rows: AsyncSequence, AsyncIteratorProtocol {
         }
     }
 
-    private func wrong(_ column: String?, _ problem: String) -> RecordingSourceError {
-        RecordingSourceError(name: name, line: line, column: column, problem: problem)
+    private func wrong(_ column: String?, _ problem: String) -> RecordingSource.FileError {
+        RecordingSource.FileError(name: name, line: line, column: column, problem: problem)
     }
 }
 
@@ -386,5 +352,25 @@ private struct Lines {
         at = end < data.endIndex ? data.index(after: end) : end
         if line.last == UInt8(ascii: "\r") { line.removeLast() }
         return String(decoding: line, as: UTF8.self)
+    }
+}
+
+extension RecordingSource {
+    /// A recording is not in order.
+    public struct FileError: Error, Equatable, Sendable {
+        /// The recording.
+        public let name: String
+        /// Line in it, from 1.
+        public let line: Int
+        /// Column's name, or nil when the line as a whole is wrong.
+        public let column: String?
+        /// What is wrong with it.
+        public let problem: String
+    }
+}
+
+extension RecordingSource.FileError: LocalizedError {
+    public var errorDescription: String? {
+        "\(name), line \(line)" + (column.map { ", column \($0)" } ?? "") + ": \(problem)"
     }
 }

@@ -63,9 +63,9 @@ public struct SimulatedSource: MagneticFieldSource {
             let iron = SIMD3(Self.hardIronUt.x, Self.hardIronUt.y, Self.hardIronUt.z)
             let field = north * Self.northUt + up * Self.upUt + iron
             // the noise is drawn in this order
-            let magnetic = MagneticSample(timeNs: timeNs, fieldUt: vector(field, noise: 0.3))
-            let upward = UpSample(timeNs: timeNs, upMS2: vector(up * 9.81, noise: 0.02))
-            let turning = RotationRateSample(timeNs: timeNs, rateRadS: vector(rate, noise: 0.002))
+            let magnetic = SensorSample.Magnetic(timeNs: timeNs, fieldUt: vector(field, noise: 0.3))
+            let upward = SensorSample.Up(timeNs: timeNs, upMS2: vector(up * 9.81, noise: 0.02))
+            let turning = SensorSample.RotationRate(timeNs: timeNs, rateRadS: vector(rate, noise: 0.002))
             return [.rotationRate(turning), .up(upward), .magnetic(magnetic)]
         }
 

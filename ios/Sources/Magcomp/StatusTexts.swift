@@ -17,7 +17,7 @@ extension CompensationStatus {
     }
 }
 
-extension CollectingReason {
+extension CompensationStatus.CollectingReason {
     fileprivate var localizedText: String {
         switch self {
         case .samples(let have, let need): say("missing_samples", Int64(have), Int64(need))
@@ -28,7 +28,7 @@ extension CollectingReason {
     }
 }
 
-extension HoldReason {
+extension CompensationStatus.HoldReason {
     fileprivate var localizedText: String {
         switch self {
         case .lowUniformity: say("held_low_uniformity")
@@ -41,7 +41,7 @@ extension HoldReason {
     }
 }
 
-extension RejectReason {
+extension CompensationStatus.RejectReason {
     fileprivate var localizedText: String {
         switch self {
         case .notFinite: say("rejected_not_finite")
@@ -55,7 +55,7 @@ extension RejectReason {
     }
 }
 
-extension FitProblem {
+extension CompensationStatus.FitProblem {
     fileprivate var localizedText: String {
         switch self {
         case .tooFewSamples(let have): say("fit_too_few_samples", Int64(have))
@@ -69,7 +69,7 @@ extension FitProblem {
     }
 }
 
-extension HeadingAid {
+extension CompensatedReading.HeadingAid {
     /// One sentence an app may show of what headings from outside are worth, in the app's language where the package has it, else in English.
     public var localizedText: String {
         switch self {

@@ -23,7 +23,7 @@ extension CompassState {
     static func shownSigmaDeg(_ sigmaDeg: Double) -> Double { sigmaDeg >= 0 ? min(sigmaDeg, 180) : 180 }
 }
 
-extension SensorError.Sensor {
+extension CompassError.Sensor {
     var localizedName: String {
         switch self {
         case .magnetometer: say("ios_sensor_magnetometer")

@@ -1,28 +1,28 @@
 import Foundation
 
-/// Where north is in a world of its own, such as ARKit's, which points anywhere when its session begins.
-public struct WorldNorth: Equatable, Sendable {
-    /// Where that world's -z axis points: clockwise from north as seen from above, degrees, 0 to 360.
-    public var headingDeg: Double
-    /// One standard deviation of it, degrees.
-    public var sigmaDeg: Double
-    /// Which north: true where the ``Compass`` has a declination.
-    public var reference: NorthReference
-    /// Time of the camera's pose, nanoseconds, on the clock of the sensors.
-    public var timeNs: Int64
-
-    public init(headingDeg: Double, sigmaDeg: Double, reference: NorthReference, timeNs: Int64) {
-        (self.headingDeg, self.sigmaDeg, self.reference, self.timeNs) = (headingDeg, sigmaDeg, reference, timeNs)
-    }
-
-    /// The direction of north in that world, whose y points up: a unit vector with y = 0, to place what lies north, or to turn a map by.
-    public var direction: SIMD3<Double> {
-        let angle = headingDeg * .pi / 180
-        return SIMD3(-sin(angle), 0, -cos(angle))
-    }
-}
-
 extension Compass {
+    /// Where north is in a world of its own, such as ARKit's, which points anywhere when its session begins.
+    public struct WorldNorth: Equatable, Sendable {
+        /// Where that world's -z axis points: clockwise from north as seen from above, degrees, 0 to 360.
+        public var headingDeg: Double
+        /// One standard deviation of it, degrees.
+        public var sigmaDeg: Double
+        /// Which north: true where the ``Compass`` has a declination.
+        public var reference: CompassHeading.NorthReference
+        /// Time of the camera's pose, nanoseconds, on the clock of the sensors.
+        public var timeNs: Int64
+
+        public init(headingDeg: Double, sigmaDeg: Double, reference: CompassHeading.NorthReference, timeNs: Int64) {
+            (self.headingDeg, self.sigmaDeg, self.reference, self.timeNs) = (headingDeg, sigmaDeg, reference, timeNs)
+        }
+
+        /// The direction of north in that world, whose y points up: a unit vector with y = 0, to place what lies north, or to turn a map by.
+        public var direction: SIMD3<Double> {
+            let angle = headingDeg * .pi / 180
+            return SIMD3(-sin(angle), 0, -cos(angle))
+        }
+    }
+
     /// Where north is in ARKit's world, by the latest pose that `aid(arKitCamera:timestampS:)` told and the attitude at the pose's own time;
     /// nil before there are both, without the gravity sensor, and where nobody has told a pose for a second. It is as unsure as the attitude:
     /// an app averages it while the person walks, and weighs by ``WorldNorth/sigmaDeg``.
@@ -46,11 +46,11 @@ struct WorldTurn {
     private static let validNs: Int64 = 1_000_000_000
 
     private var attitudes: [(timeNs: Int64, attitude: DeviceAttitude)] = []
-    private var poses: [AttitudeSample] = []
-    private var latest: WorldNorth?
+    private var poses: [SensorSample.Attitude] = []
+    private var latest: Compass.WorldNorth?
 
     /// Nil where nothing was told of late.
-    var north: WorldNorth? {
+    var north: Compass.WorldNorth? {
         guard let latest, let now = attitudes.last, now.timeNs.since(latest.timeNs) <= Self.validNs else { return nil }
         return latest
     }
@@ -58,7 +58,7 @@ struct WorldTurn {
     /// What was known of the device's turns is old.
     mutating func forgetAttitudes() { (attitudes, latest) = ([], nil) }
 
-    mutating func see(_ pose: AttitudeSample) {
+    mutating func see(_ pose: SensorSample.Attitude) {
         poses = poses.suffix(Self.waiting - 1) + [pose]
         resolve()
     }
@@ -85,7 +85,8 @@ struct WorldTurn {
             let turn = Quaternion(before.attitude).towards(Quaternion(after.attitude), share) * Quaternion(pose).conjugate
             let headingDeg = CompassState.shownDeg(-2 * atan2(turn.z, turn.w) * 180 / .pi)
             guard let headingDeg, let sigmaDeg = after.attitude.sigmaDeg else { continue }
-            latest = WorldNorth(headingDeg: headingDeg, sigmaDeg: sigmaDeg, reference: .magnetic, timeNs: pose.timeNs)
+            latest = Compass.WorldNorth(
+                headingDeg: headingDeg, sigmaDeg: sigmaDeg, reference: .magnetic, timeNs: pose.timeNs)
         }
     }
 }
@@ -97,7 +98,7 @@ private struct Quaternion {
 
     init(_ attitude: DeviceAttitude) { self.init(w: attitude.w, x: attitude.x, y: attitude.y, z: attitude.z) }
 
-    init(_ pose: AttitudeSample) { self.init(w: pose.w, x: pose.x, y: pose.y, z: pose.z) }
+    init(_ pose: SensorSample.Attitude) { self.init(w: pose.w, x: pose.x, y: pose.y, z: pose.z) }
 
     var conjugate: Quaternion { Quaternion(w: w, x: -x, y: -y, z: -z) }
 

@@ -15,7 +15,7 @@ let tumbled = (1...20_000).map { (k: Int) -> SensorSample in
     let (a, b, noise) = (Double(k) * 0.11, Double(k) * 0.031, 0.3 * sin(Double(k) * 12.9898))
     let field = DeviceVector(
         x: 50 * cos(a) * cos(b) + 120 + noise, y: 50 * sin(a) * cos(b) - 80 - noise, z: 50 * sin(b) + 300)
-    return .magnetic(MagneticSample(timeNs: Int64(k) * 10_000_000, fieldUt: field))
+    return .magnetic(SensorSample.Magnetic(timeNs: Int64(k) * 10_000_000, fieldUt: field))
 }
 
 func keep(_ events: [SensorSample]) {

@@ -210,7 +210,7 @@ private struct BrokenSource: MagneticFieldSource {
     @Test func theMapTellsHowTheDeviceIsHeld() {
         let compass = Compass(source: Played(events: []))
         let adapter = CompassLocationManager(compass, locations: locations)
-        let held: [(CLDeviceOrientation, ScreenRotation)] = [
+        let held: [(CLDeviceOrientation, HeadingFrame.ScreenRotation)] = [
             (.landscapeLeft, .deg90), (.portraitUpsideDown, .deg180), (.landscapeRight, .deg270), (.faceUp, .deg270),
             (.portrait, .deg0),
         ]

@@ -7,11 +7,11 @@ import Testing
 @Suite struct AidTests {
     /// Flat, the screen up, the top edge along -z of ARKit's world, which is y of one whose z points up.
     @Test func arKitsCameraIsTurnedIntoTheDevice() {
-        let flat = AttitudeSample(arKitTimestampS: 1.5, x: SIMD3(0, 0, 1), y: SIMD3(1, 0, 0), z: SIMD3(0, 1, 0))
+        let flat = SensorSample.Attitude(arKitTimestampS: 1.5, x: SIMD3(0, 0, 1), y: SIMD3(1, 0, 0), z: SIMD3(0, 1, 0))
         #expect(flat.timeNs == 1_500_000_000 && flat.yaw == .relative)
         #expect(abs(flat.w - 1) < 1e-12 && abs(flat.x) + abs(flat.y) + abs(flat.z) < 1e-12)
         // upright, the screen towards the viewer: the top edge is up
-        let upright = AttitudeSample(arKitTimestampS: 0, x: SIMD3(0, -1, 0), y: SIMD3(1, 0, 0), z: SIMD3(0, 0, 1))
+        let upright = SensorSample.Attitude(arKitTimestampS: 0, x: SIMD3(0, -1, 0), y: SIMD3(1, 0, 0), z: SIMD3(0, 0, 1))
         let top = turned(SIMD3(0, 1, 0), by: upright)
         #expect(abs(top.x) + abs(top.y) < 1e-12 && abs(top.z - 1) < 1e-12)
     }
@@ -22,7 +22,7 @@ import Testing
             (0.1, 0.2, 0.3), (3.1, 0.1, 0.0), (0.1, 3.1, 0.2), (0.0, 0.2, 3.1), (2.0, 2.2, -1.7), (-2.9, 1.4, 0.4),
         ] {
             let (x, y, z) = axes(a, b, c)
-            let sample = AttitudeSample(arKitTimestampS: 0, x: x, y: y, z: z)
+            let sample = SensorSample.Attitude(arKitTimestampS: 0, x: x, y: y, z: z)
             for (device, camera) in [(SIMD3(1.0, 0, 0), y), (SIMD3(0, 1.0, 0), -x), (SIMD3(0, 0, 1.0), z)] {
                 let off = turned(device, by: sample) - SIMD3(camera.x, -camera.z, camera.y)
                 #expect((off * off).sum() < 1e-20)
@@ -31,8 +31,10 @@ import Testing
     }
 
     @Test func aFixThatStandsOrHasNoCourseSaysNothing() throws {
-        func course(_ courseDeg: Double, _ accuracyDeg: Double, _ speedMS: Double, _ headed: HeadedAxis) -> HeadingSample? {
-            HeadingSample(courseDeg: courseDeg, accuracyDeg: accuracyDeg, speedMS: speedMS, timeNs: 7, of: headed)
+        func course(_ courseDeg: Double, _ accuracyDeg: Double, _ speedMS: Double, _ headed: SensorSample.HeadedAxis)
+            -> SensorSample.Heading?
+        {
+            SensorSample.Heading(courseDeg: courseDeg, accuracyDeg: accuracyDeg, speedMS: speedMS, timeNs: 7, of: headed)
         }
         let driven = try #require(course(90, 1.5, 12, .vehicle))
         #expect(driven.timeNs == 7 && driven.headingDeg == 90 && driven.reference == .true && driven.axis == .vehicle)
@@ -48,26 +50,29 @@ import Testing
 
     @Test func aDateIsATimeOfTheSensorsClock() {
         let (fix, now) = (Date(timeIntervalSince1970: 999_999.75), Date(timeIntervalSince1970: 1_000_000))
-        #expect(HeadingSample.timeNs(of: fix, now: now, uptimeS: 100) == 99_750_000_000)
-        #expect(HeadingSample.timeNs(of: now, now: fix, uptimeS: 100) == 100_250_000_000)
+        #expect(SensorSample.Heading.timeNs(of: fix, now: now, uptimeS: 100) == 99_750_000_000)
+        #expect(SensorSample.Heading.timeNs(of: now, now: fix, uptimeS: 100) == 100_250_000_000)
         // the way back of a reading's date
         let reading = CompensatedReading(
             reading: MagneticReading(status: .tracking),
-            sample: MagneticSample(timeNs: 99_750_000_000, fieldUt: DeviceVector(x: 0, y: 0, z: 0)))
-        #expect(CompensatedReading.date(of: reading.sample, now: now, uptimeS: 100) == fix)
+            sample: SensorSample.Magnetic(timeNs: 99_750_000_000, fieldUt: DeviceVector(x: 0, y: 0, z: 0)))
+        #expect(CompensatedReading.date(of: reading.sample, now: now, uptimeNs: 100_000_000_000) == fix)
         func timeNs(_ seconds: Double) -> Int64 {
-            HeadingSample.timeNs(of: Date(timeIntervalSinceReferenceDate: seconds), now: now, uptimeS: 100)
+            SensorSample.Heading.timeNs(of: Date(timeIntervalSinceReferenceDate: seconds), now: now, uptimeS: 100)
         }
         #expect(timeNs(1e12) == .max && timeNs(-1e12) == .min && timeNs(.nan) == .min)
-        let nowNs = HeadingSample.timeNs(of: Date())
+        let nowNs = SensorSample.Heading.timeNs(of: Date())
         #expect(abs(Double(nowNs) * 1e-9 - ProcessInfo.processInfo.systemUptime) < 10)
     }
 
-    @Test func numbersAreRefusedAsTheCoreRefusesThem() throws {
+    @Test func numbersAreRefusedAsTheCoreRefusesThem() async throws {
         let core = try Compensator()
-        let compass = Compass(source: Played(events: []))
+        let source = Live()
+        let compass = Compass(source: source)
+        let task = reader(compass, Shared([]))
+        try await source.started(1)
         let (top, far) = (DeviceVector(x: 0, y: 1, z: 0), Double.infinity)
-        let axes: [HeadedAxis] = [
+        let axes: [SensorSample.HeadedAxis] = [
             .vehicle, .device(axis: top), .device(axis: DeviceVector(x: 0, y: 0, z: 0)),
             .device(axis: DeviceVector(x: far, y: 0, z: 0)),
         ]
@@ -75,22 +80,27 @@ import Testing
             for (headingDeg, sigmaDeg) in [
                 (10.0, 5.0), (-360, 180), (361, 5), (10, 0), (10, -1), (10, 181), (.nan, 5), (10, far),
             ] {
-                let sample = HeadingSample(
+                let sample = SensorSample.Heading(
                     timeNs: 1, headingDeg: headingDeg, sigmaDeg: sigmaDeg, reference: .magnetic, axis: axis)
                 try core.reset()
+                compass.reset()
                 let told = Result { try core.pushHeading(sample) }.failure
                 #expect(Result { try compass.aid(with: sample) }.failure == told, "\(sample)")
             }
         }
         for (w, yaw) in [
-            (1.0, WorldYaw.relative), (0, .relative), (.nan, .relative), (1, .absolute(sigmaDeg: 0, reference: .true)),
+            (1.0, SensorSample.Attitude.WorldYaw.relative), (0, .relative), (.nan, .relative),
+            (1, .absolute(sigmaDeg: 0, reference: .true)),
             (2, .absolute(sigmaDeg: 9, reference: .true)), (1, .absolute(sigmaDeg: .nan, reference: .true)),
         ] {
-            let sample = AttitudeSample(timeNs: 1, w: w, x: 0, y: 0, z: 0, yaw: yaw)
+            let sample = SensorSample.Attitude(timeNs: 1, w: w, x: 0, y: 0, z: 0, yaw: yaw)
             try core.reset()
+            compass.reset()
             let told = Result { try core.pushAttitude(sample) }.failure
             #expect(Result { try compass.aid(with: sample) }.failure == told, "\(sample)")
         }
+        task.cancel()
+        try await task.value
     }
 
     /// A phone that lies flat, its top edge north by a calibration that is hardly known: a world turned by 30 degrees leads.
@@ -102,9 +112,9 @@ import Testing
             let timeNs = Int64(k) * 20_000_000
             let field = DeviceVector(x: 0.2 * sin(Double(timeNs)), y: 20, z: -45)
             return [
-                .rotationRate(RotationRateSample(timeNs: timeNs, rateRadS: DeviceVector(x: 0, y: 0, z: 0))),
-                .up(UpSample(timeNs: timeNs, upMS2: DeviceVector(x: 0, y: 0, z: 9.81))),
-                .magnetic(MagneticSample(timeNs: timeNs, fieldUt: field)),
+                .rotationRate(SensorSample.RotationRate(timeNs: timeNs, rateRadS: DeviceVector(x: 0, y: 0, z: 0))),
+                .up(SensorSample.Up(timeNs: timeNs, upMS2: DeviceVector(x: 0, y: 0, z: 9.81))),
+                .magnetic(SensorSample.Magnetic(timeNs: timeNs, fieldUt: field)),
             ]
         }
         let compass = Compass(
@@ -115,7 +125,7 @@ import Testing
             latest = answer
             guard answer.reading.timeNs % 1_000_000_000 == 0 else { continue }
             let half = -15 * Double.pi / 180
-            let pose = AttitudeSample(
+            let pose = SensorSample.Attitude(
                 timeNs: answer.reading.timeNs, w: cos(half), x: 0, y: 0, z: sin(half),
                 yaw: .absolute(sigmaDeg: 1, reference: .magnetic))
             if try compass.aid(with: pose) { taken += 1 }
@@ -124,10 +134,11 @@ import Testing
         }
         #expect(taken == 30)
         let reading = try #require(latest)
-        #expect(reading.headingAid == .leads && reading.headingAid?.localizedText == HeadingAid.leads.text)
+        #expect(
+            reading.headingAid == .leads && reading.headingAid?.localizedText == CompensatedReading.HeadingAid.leads.text)
         #expect(abs(try #require(reading.reading.headingDeg) - 30) < 5)
         #expect(try compass.foundDeclination() == nil)
-        for aid in [HeadingAid.used, .leads, .disagrees] { #expect(aid.localizedText == aid.text) }
+        for aid in [CompensatedReading.HeadingAid.used, .leads, .disagrees] { #expect(aid.localizedText == aid.text) }
         compass.reset()
     }
 
@@ -137,7 +148,7 @@ import Testing
         let source = Live()
         let compass = Compass(source: source)
         let seen = Shared<[CompensatedReading]>([])
-        let pose = AttitudeSample(timeNs: 1, w: 1, x: 0, y: 0, z: 0, yaw: .relative)
+        let pose = SensorSample.Attitude(timeNs: 1, w: 1, x: 0, y: 0, z: 0, yaw: .relative)
         func play(_ events: [SensorSample]) async throws {
             let before = seen.value.count
             source.play(events)
@@ -181,7 +192,7 @@ extension Result {
 }
 
 /// A device's vector in the world.
-private func turned(_ v: SIMD3<Double>, by q: AttitudeSample) -> SIMD3<Double> {
+private func turned(_ v: SIMD3<Double>, by q: SensorSample.Attitude) -> SIMD3<Double> {
     func cross(_ a: SIMD3<Double>, _ b: SIMD3<Double>) -> SIMD3<Double> {
         SIMD3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
     }

@@ -18,7 +18,6 @@ import Testing
         #expect(hardIron.isClose(to: [hardIronUt.x, hardIronUt.y, hardIronUt.z], within: 1))
         #expect(try compensator.fit() == nil)
         #expect(try compensator.covariance()?.count == 81)
-        #expect(try compensator.coverage().share > 0.5)
 
         let paper = try Compensator(config: CompensationConfig(method: .windowed))
         _ = try paper.pushAll(events)
@@ -30,30 +29,34 @@ import Testing
         let alone = events.compactMap { event in
             if case .magnetic(let sample) = event { sample } else { nil }
         }
+        #expect(try compensator.unseenDirections().count == 48)
         let over = try alone.map { try compensator.push($0) }
         #expect(try alone.map { try native.push(sample: $0) } == over)
+        let unseen = try compensator.unseenDirections()
+        #expect(try unseen == native.coverage().unseenDirections && !unseen.isEmpty && unseen.count < 48)
         #expect(over.contains { $0.modelOrder != nil && $0.directionSigmaDeg != nil && $0.worstSigmaDeg != nil })
     }
 
     @Test func theModeSaysWhichSensorsAreUsed() throws {
         for (gyroscope, up, mode) in [
-            (true, true, SensorMode.gyroscopeAndGravity), (true, false, .gyroscopeOnly), (false, true, .gravityOnly),
+            (true, true, MagneticReading.SensorMode.gyroscopeAndGravity), (true, false, .gyroscopeOnly),
+            (false, true, .gravityOnly),
             (false, false, .magnetometerOnly),
         ] {
             let (compensator, native) = (try Compensator(), try NativeCompensator(config: CompensationConfig()))
             for k in 1...200 {
                 let timeNs = Int64(k) * stepNs
                 if gyroscope {
-                    let rate = RotationRateSample(timeNs: timeNs, rateRadS: DeviceVector(x: 0.1, y: 0, z: 0))
+                    let rate = SensorSample.RotationRate(timeNs: timeNs, rateRadS: DeviceVector(x: 0.1, y: 0, z: 0))
                     try compensator.pushRotationRate(rate)
                     try native.pushRotationRate(sample: rate)
                 }
                 if up {
-                    let sample = UpSample(timeNs: timeNs, upMS2: DeviceVector(x: 0, y: 0, z: 9.8))
+                    let sample = SensorSample.Up(timeNs: timeNs, upMS2: DeviceVector(x: 0, y: 0, z: 9.8))
                     try compensator.pushUp(sample)
                     try native.pushUp(sample: sample)
                 }
-                let sample = MagneticSample(timeNs: timeNs, fieldUt: DeviceVector(x: 20, y: Double(k % 7), z: -40))
+                let sample = SensorSample.Magnetic(timeNs: timeNs, fieldUt: DeviceVector(x: 20, y: Double(k % 7), z: -40))
                 let found = try compensator.push(sample).mode
                 #expect(try found == native.push(sample: sample).mode)
                 if k == 200 { #expect(found == mode) }
@@ -62,15 +65,15 @@ import Testing
     }
 
     @Test func everyStatusIsReadFromCAsUniffiHasIt() throws {
-        let poor = FitProblem.poorCoverage(directionSigmaDeg: 12.5, limitDeg: 10)
-        let problems: [FitProblem] = [
+        let poor = CompensationStatus.FitProblem.poorCoverage(directionSigmaDeg: 12.5, limitDeg: 10)
+        let problems: [CompensationStatus.FitProblem] = [
             .tooFewSamples(have: 8), .planar(thicknessUt: 0.5), poor, .inconsistent(residualUt: 7.5, limitUt: 2.5),
             .notAnEllipsoid, .fieldOutOfRange(fieldUt: 90, lowUt: 22, highUt: 67), .notFinite,
         ]
-        let held: [HoldReason] = [
+        let held: [CompensationStatus.HoldReason] = [
             .lowUniformity, .fitRefused(problem: poor), .constant, .atRest, .tooLittleRotation, .noGyroscope,
         ]
-        let rejected: [RejectReason] = [
+        let rejected: [CompensationStatus.RejectReason] = [
             .notFinite, .outOfRange(valueUt: -2500, limitUt: 2000), .saturated(axis: .z, valueUt: 1300, railUt: 1299.5),
             .timeNotAfter(timeNs: 7, latestNs: 9_007_199_254_740_993), .timeJump(gapS: 1e6, limitS: 604_800),
             .stuck(repeats: 50), .axes(x: 2, y: -1, z: 3),
@@ -107,19 +110,20 @@ import Testing
         _ = try compensator.pushAll(events)
         let before = try #require(try compensator.keep(unixTimeS: nowS))
         let bad = DeviceVector(x: .nan, y: 0, z: 0)
-        #expect(try compensator.push(MagneticSample(timeNs: .max, fieldUt: bad)).status == .rejected(reason: .notFinite))
-        let late = try compensator.push(MagneticSample(timeNs: 5, fieldUt: DeviceVector(x: 1, y: 2, z: 3)))
+        #expect(
+            try compensator.push(SensorSample.Magnetic(timeNs: .max, fieldUt: bad)).status == .rejected(reason: .notFinite))
+        let late = try compensator.push(SensorSample.Magnetic(timeNs: 5, fieldUt: DeviceVector(x: 1, y: 2, z: 3)))
         #expect(late.status == .rejected(reason: .timeNotAfter(timeNs: 5, latestNs: 600 * stepNs)))
         #expect(late.timeNs == 5)
-        #expect(try !compensator.pushUp(UpSample(timeNs: 5, upMS2: DeviceVector(x: 0, y: 0, z: 9.8))), "too late")
-        #expect(try !compensator.pushRotationRate(RotationRateSample(timeNs: 5, rateRadS: bad)))
+        #expect(try !compensator.pushUp(SensorSample.Up(timeNs: 5, upMS2: DeviceVector(x: 0, y: 0, z: 9.8))), "too late")
+        #expect(try !compensator.pushRotationRate(SensorSample.RotationRate(timeNs: 5, rateRadS: bad)))
         #expect(try compensator.keep(unixTimeS: nowS) == before)
     }
 
     @Test func theSystemsHardIronCanBeTheFirstCalibration() throws {
         let compensator = try Compensator()
         func push(_ timeNs: Int64, reported: Double) throws -> MagneticReading {
-            let sample = MagneticSample(
+            let sample = SensorSample.Magnetic(
                 timeNs: timeNs, fieldUt: DeviceVector(x: 127, y: 36, z: 0),
                 reportedHardIronUt: DeviceVector(x: reported, y: 0, z: 0))
             return try compensator.push(sample)
@@ -135,7 +139,7 @@ import Testing
         func first(_ sigmaUt: Double) throws -> Double? {
             let compensator = try Compensator()
             try compensator.adopt(calibration, hardIronSigmaUt: sigmaUt)
-            return try compensator.push(MagneticSample(timeNs: 1, fieldUt: DeviceVector(x: 120, y: -35, z: 300)))
+            return try compensator.push(SensorSample.Magnetic(timeNs: 1, fieldUt: DeviceVector(x: 120, y: -35, z: 300)))
                 .fieldSigmaUt
         }
         #expect((3.0...6.0).contains(try #require(try first(3))))
@@ -154,10 +158,11 @@ import Testing
         compensator.close()
         let v = DeviceVector(x: 1, y: 2, z: 3)
         let uses: [() throws -> Void] = [
-            { _ = try compensator.push(MagneticSample(timeNs: 1, fieldUt: v)) },
-            { try compensator.pushUp(UpSample(timeNs: 1, upMS2: v)) },
-            { try compensator.pushRotationRate(RotationRateSample(timeNs: 1, rateRadS: v)) },
+            { _ = try compensator.push(SensorSample.Magnetic(timeNs: 1, fieldUt: v)) },
+            { try compensator.pushUp(SensorSample.Up(timeNs: 1, upMS2: v)) },
+            { try compensator.pushRotationRate(SensorSample.RotationRate(timeNs: 1, rateRadS: v)) },
             { _ = try compensator.calibration() },
+            { _ = try compensator.unseenDirections() },
             { _ = try compensator.keep(unixTimeS: nowS) },
             { try compensator.adoptKept("", unixTimeS: nil) },
             { try compensator.pushGap(hiddenS: 1) },
@@ -176,19 +181,22 @@ import Testing
         for stale in [handle, 0, -1, .max, .min] {
             #expect(magcomp_push_up(stale, 2, 0, 0, 9.8) == Int32(MAGCOMP_CLOSED))
             #expect(magcomp_push(stale, 2, 0, 0, 0, .nan, .nan, .nan, nil) == Int32(MAGCOMP_CLOSED))
+            #expect(magcomp_unseen_directions(stale, nil) == Int32(MAGCOMP_CLOSED))
         }
         let other = try Compensator()
         #expect(other.fastHandle != handle)
         #expect(magcomp_push(other.fastHandle, 2, 0, 0, 0, .nan, .nan, .nan, nil) == Int32(MAGCOMP_NO_ROOM))
+        #expect(magcomp_unseen_directions(other.fastHandle, nil) == Int32(MAGCOMP_NO_ROOM))
     }
 
     @Test func aDefectOfTheLibraryIsATypedErrorUntilReset() throws {
         let compensator = try Compensator()
         #expect(magcomp_test_panic(compensator.fastHandle) == Int32(MAGCOMP_PANICKED))
         let defect = MagcompError.panicked(what: "on purpose")
-        let sample = MagneticSample(timeNs: 1, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
+        let sample = SensorSample.Magnetic(timeNs: 1, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
         #expect(throws: defect) { try compensator.push(sample) }
         #expect(throws: defect) { try compensator.calibration() }
+        #expect(throws: defect) { try compensator.unseenDirections() }
         try compensator.reset()
         #expect(try compensator.push(sample).status.label == "collecting")
     }
@@ -198,7 +206,7 @@ import Testing
         #expect(try first.keep(unixTimeS: nowS) == nil, "nothing was learned")
         _ = try first.pushAll(events)
         let text = try #require(try first.keep(unixTimeS: nowS))
-        let astray = MagneticSample(timeNs: stepNs, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
+        let astray = SensorSample.Magnetic(timeNs: stepNs, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
         func sigmaUt(_ ageS: Int64?) throws -> Double {
             let second = try Compensator()
             try second.setHeadingFrame(HeadingFrame(axis: .topEdge, screenRotation: .deg90, declinationDeg: 3))
@@ -251,12 +259,12 @@ import Testing
 
     @Test func aSaturatedSampleNamesItsAxis() throws {
         let compensator = try Compensator(config: CompensationConfig(railUt: 1200))
-        let at: [(DeviceVector, DeviceAxis, Double)] = [
+        let at: [(DeviceVector, DeviceVector.Axis, Double)] = [
             (DeviceVector(x: 1200, y: 1, z: 2), .x, 1200), (DeviceVector(x: 1, y: -1201, z: 2), .y, -1201),
             (DeviceVector(x: 1, y: 2, z: 1300), .z, 1300),
         ]
         for (k, (field, axis, valueUt)) in at.enumerated() {
-            let status = try compensator.push(MagneticSample(timeNs: Int64(k + 1), fieldUt: field)).status
+            let status = try compensator.push(SensorSample.Magnetic(timeNs: Int64(k + 1), fieldUt: field)).status
             #expect(status == .rejected(reason: .saturated(axis: axis, valueUt: valueUt, railUt: 1200)))
         }
     }

@@ -15,11 +15,11 @@ private struct Sleeping: MagneticFieldSource {
 /// All of an answer but when it came.
 private struct Seen: Equatable {
     let reading: MagneticReading
-    let sample: MagneticSample
-    let systemField: SystemFieldSample?
+    let sample: SensorSample.Magnetic
+    let systemField: SensorSample.SystemField?
     let unseen: [DeviceVector]
     let storeError: MagcompError?
-    let aid: HeadingAid?
+    let aid: CompensatedReading.HeadingAid?
 
     init(_ answer: CompensatedReading) {
         (reading, sample, systemField) = (answer.reading, answer.sample, answer.systemField)
@@ -36,7 +36,8 @@ private struct Seen: Equatable {
     }
 
     /// As a phone: each sensor at its own times, iOS's field beside device motion.
-    private func phone(_ samples: Int, from first: Int = 0, _ accuracy: SystemFieldSample.Accuracy = .high) -> [SensorSample]
+    private func phone(_ samples: Int, from first: Int = 0, _ accuracy: SensorSample.SystemField.Accuracy = .high)
+        -> [SensorSample]
     {
         let events = tumbling(first + samples).suffix(2 * samples).flatMap { event -> [SensorSample] in
             switch event {
@@ -46,7 +47,7 @@ private struct Seen: Equatable {
             case .magnetic(let sample):
                 let raw = sample.fieldUt
                 let field = DeviceVector(x: raw.x - 120.5, y: raw.y + 80.25, z: raw.z - 300)
-                let system = SystemFieldSample(timeNs: sample.timeNs + 3_000_000, fieldUt: field, accuracy: accuracy)
+                let system = SensorSample.SystemField(timeNs: sample.timeNs + 3_000_000, fieldUt: field, accuracy: accuracy)
                 return [event, .systemField(system)]
             default: return []
             }
@@ -59,7 +60,7 @@ private struct Seen: Equatable {
         _ url: URL, config: CompensationConfig = CompensationConfig(), store: (any CalibrationStore)? = nil,
         graceS: Double = 0,
         _ body: (Compass, Sleeping, Shared<[CompensatedReading]>) async throws -> Void
-    ) async throws -> ([Seen], CompassRecording) {
+    ) async throws -> ([Seen], Compass.Recording) {
         let source = Sleeping()
         let compass = Compass(source: source, config: config, store: store, graceS: graceS, clock: StandingClock())
         let recording = try compass.record(to: url)
@@ -87,8 +88,8 @@ private struct Seen: Equatable {
     }
 
     /// With what `Compass()` asks for: the first heading of all is by iOS's own field.
-    @Test(arguments: [.high, .medium, .low, .uncalibrated] as [SystemFieldSample.Accuracy])
-    func theAccuracyOfTheSystemsFieldIsInIt(_ accuracy: SystemFieldSample.Accuracy) async throws {
+    @Test(arguments: [.high, .medium, .low, .uncalibrated] as [SensorSample.SystemField.Accuracy])
+    func theAccuracyOfTheSystemsFieldIsInIt(_ accuracy: SensorSample.SystemField.Accuracy) async throws {
         let url = file()
         let (seen, recording) = try await live(url) { _, source, seen in
             try await play(phone(1500, accuracy), source, seen)
@@ -109,23 +110,24 @@ private struct Seen: Equatable {
             try compass.setDeclinationDeg(-7.3)
             try await play(phone(100, from: 400), source, seen)
             let timeNs = seen.value[seen.value.count - 1].sample.timeNs
-            let helpful = HeadedAxis.device(axis: DeviceVector(x: 0, y: 1, z: -0.1))
+            let helpful = SensorSample.HeadedAxis.device(axis: DeviceVector(x: 0, y: 1, z: -0.1))
             let headings = [
-                HeadingSample(
+                SensorSample.Heading(
                     timeNs: timeNs - 1_000_000_000, headingDeg: 91.25, sigmaDeg: 3, reference: .true, axis: .vehicle),
-                HeadingSample(timeNs: timeNs + 25_000_000, headingDeg: 90, sigmaDeg: 4, reference: .magnetic, axis: helpful),
+                SensorSample.Heading(
+                    timeNs: timeNs + 25_000_000, headingDeg: 90, sigmaDeg: 4, reference: .magnetic, axis: helpful),
             ]
             for heading in headings {
                 if try compass.aid(with: heading) { told.append(.heading(heading)) }
             }
             #expect(told.count == 2)
             try await play(phone(100, from: 500), source, seen)
-            let yaws: [WorldYaw] = [
+            let yaws: [SensorSample.Attitude.WorldYaw] = [
                 .relative, .absolute(sigmaDeg: 5, reference: .magnetic), .absolute(sigmaDeg: 6, reference: .true),
             ]
             for yaw in yaws {
                 let latestNs = seen.value[seen.value.count - 1].sample.timeNs
-                let pose = AttitudeSample(timeNs: latestNs + 1, w: 0.5, x: 0.5, y: -0.5, z: 0.5, yaw: yaw)
+                let pose = SensorSample.Attitude(timeNs: latestNs + 1, w: 0.5, x: 0.5, y: -0.5, z: 0.5, yaw: yaw)
                 if try compass.aid(with: pose) { told.append(.attitude(pose)) }
                 try await play(phone(20, from: seen.value.count), source, seen)
             }
@@ -211,15 +213,17 @@ private struct Seen: Equatable {
         func ns(_ ms: Int64) -> Int64 { ms * 1_000_000 - 2_500_000_000 }
         func magnetic(_ timeNs: Int64, _ x: Double = 0.3) -> SensorSample {
             .magnetic(
-                MagneticSample(timeNs: timeNs, fieldUt: DeviceVector(x: x, y: .nan, z: -.infinity), reportedHardIronUt: nil))
+                SensorSample.Magnetic(
+                    timeNs: timeNs, fieldUt: DeviceVector(x: x, y: .nan, z: -.infinity), reportedHardIronUt: nil))
         }
-        let reported = MagneticSample(
+        let reported = SensorSample.Magnetic(
             timeNs: 8, fieldUt: DeviceVector(x: 1, y: 2, z: 3), reportedHardIronUt: DeviceVector(x: 4, y: 5, z: 6))
         let events: [SensorSample] = [
-            .rotationRate(RotationRateSample(timeNs: ns(0), rateRadS: v)), .up(UpSample(timeNs: ns(0), upMS2: v)),
-            .systemField(SystemFieldSample(timeNs: ns(0), fieldUt: v, accuracy: .medium)), magnetic(ns(3)),
+            .rotationRate(SensorSample.RotationRate(timeNs: ns(0), rateRadS: v)),
+            .up(SensorSample.Up(timeNs: ns(0), upMS2: v)),
+            .systemField(SensorSample.SystemField(timeNs: ns(0), fieldUt: v, accuracy: .medium)), magnetic(ns(3)),
             magnetic(ns(2_500)), magnetic(7, 1), magnetic(7, 2),
-            .up(UpSample(timeNs: 6, upMS2: v)), .rotationRate(RotationRateSample(timeNs: 6, rateRadS: v)),
+            .up(SensorSample.Up(timeNs: 6, upMS2: v)), .rotationRate(SensorSample.RotationRate(timeNs: 6, rateRadS: v)),
             .magnetic(reported),
             magnetic(200 * 86_400 * 1_000_000_000 + 1), magnetic(.max), magnetic(.min), magnetic(.max - 1),
         ]
@@ -285,7 +289,7 @@ private struct Seen: Equatable {
         #expect(throws: CocoaError.self) { try compass.record(to: URL(fileURLWithPath: "/no/such/folder/r.csv")) }
         #expect(throws: MagcompError.self) { try compass.record(to: file(), mostBytes: 9_999) }
         // a disk that is full
-        let full = try CompassRecording(to: file(), mostBytes: 1_000_000) { _ in open("/dev/full", O_WRONLY) }
+        let full = try Compass.Recording(to: file(), mostBytes: 1_000_000) { _ in open("/dev/full", O_WRONLY) }
         _ = try compass.estimation.record { full }
         #expect(try await compass.readings().collected().count == 1500)
         #expect(throws: (any Error).self) { try full.close() }

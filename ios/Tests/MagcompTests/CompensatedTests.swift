@@ -131,7 +131,7 @@ import Testing
             func next() async -> SensorSample? {
                 asked.change { $0 += 1 }
                 let v = DeviceVector(x: 1, y: 2, z: Double(asked.value % 7))
-                return .magnetic(MagneticSample(timeNs: asked.value * stepNs, fieldUt: v))
+                return .magnetic(SensorSample.Magnetic(timeNs: asked.value * stepNs, fieldUt: v))
             }
         }
         let asked = Shared<Int64>(0)
@@ -187,16 +187,18 @@ import Testing
     }
 
     @Test func aReadingHasTheDateOfItsSample() {
-        let sample = MagneticSample(timeNs: 99_750_000_000, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
+        let sample = SensorSample.Magnetic(timeNs: 99_750_000_000, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
         let reading = CompensatedReading(reading: MagneticReading(status: .tracking), sample: sample)
         let now = Date(timeIntervalSince1970: 1_000_000)
-        #expect(CompensatedReading.date(of: reading.sample, now: now, uptimeS: 100).timeIntervalSince1970 == 999_999.75)
+        #expect(
+            CompensatedReading.date(of: reading.sample, now: now, uptimeNs: 100_000_000_000).timeIntervalSince1970
+                == 999_999.75)
     }
 
     /// A fact: however late it is asked for it is the same. A recording's times are not the device's.
     @Test func theDateIsThatOfTheSamplesComing() async throws {
         let uptimeNs = Int64(ProcessInfo.processInfo.systemUptime * 1e9)
-        let event = SensorSample.magnetic(MagneticSample(timeNs: uptimeNs, fieldUt: DeviceVector(x: 1, y: 2, z: 3)))
+        let event = SensorSample.magnetic(SensorSample.Magnetic(timeNs: uptimeNs, fieldUt: DeviceVector(x: 1, y: 2, z: 3)))
         let begin = Date()
         let live = try await Compass(source: Played(events: [event])).readings().collected()
         let date = try #require(live[0].timestamp)
@@ -215,8 +217,8 @@ import Testing
         #expect(reading.headingDeg == 42 && reading.headingSigmaDeg == 3 && reading.trueHeadingDeg == nil)
         let simd = try SIMD3(#require(reading.fieldUt))
         #expect(simd == SIMD3(3, 4, 12) && DeviceVector(simd) == reading.fieldUt)
-        let sample = MagneticSample(timeNs: 1, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
-        let system = SystemFieldSample(timeNs: 1, fieldUt: DeviceVector(x: 1, y: 2, z: 3), accuracy: .high)
+        let sample = SensorSample.Magnetic(timeNs: 1, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
+        let system = SensorSample.SystemField(timeNs: 1, fieldUt: DeviceVector(x: 1, y: 2, z: 3), accuracy: .high)
         let answer = CompensatedReading(reading: reading, sample: sample, systemField: system)
         let again = try JSONDecoder().decode(CompensatedReading.self, from: JSONEncoder().encode(answer))
         #expect(again == answer)
@@ -230,7 +232,10 @@ import Testing
         let half = events.count / 2
         // at last it lies flat: a turned screen is a turned heading
         let events = events + flat(1500)
-        let turned = HeadingFrame(axis: .topEdge, screenRotation: .deg90, declinationDeg: 3)
+        let turn: @Sendable (Compass) -> Void = { compass in
+            (compass.axis, compass.screenRotation) = (.topEdge, .deg90)
+            try? compass.setDeclinationDeg(3)
+        }
         struct Turning: MagneticFieldSource {
             let events: [SensorSample]
             let turn: @Sendable (Int) -> Void
@@ -247,7 +252,7 @@ import Testing
             }
         }
         let made = Shared<Compass?>(nil)
-        let source = Turning(events: events) { if $0 == half { try? made.value?.setFrame(turned) } }
+        let source = Turning(events: events) { if $0 == half { made.value.map(turn) } }
         let config = CompensationConfig(heading: HeadingConfig(axis: .topEdge))
         let compass = Compass(source: source, config: config)
         made.change { $0 = compass }

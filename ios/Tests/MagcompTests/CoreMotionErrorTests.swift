@@ -11,7 +11,7 @@ import Testing
     @Test func errorsOfAnotherDomainAreNotCoreMotions() async throws {
         for code in [CMErrorNotAuthorized, CMErrorDeviceRequiresMovement] {
             let error = NSError(domain: "org.other", code: Int(code.rawValue))
-            let expected = SensorError.refused(sensor: .magnetometer, reason: "org.other \(code.rawValue)")
+            let expected = CompassError.refused(sensor: .magnetometer, reason: "org.other \(code.rawValue)")
             await #expect(throws: expected) {
                 try await samples(1) {
                     manager.magnetometerFails(error)
@@ -23,18 +23,20 @@ import Testing
 
     @Test func aMissingSensorIsATypedErrorThatSaysWhatToDo() async throws {
         manager.lack(magnetometer: true)
-        await #expect(throws: SensorError.missing(sensor: .magnetometer, advice: "hide the compass")) {
+        await #expect(throws: CompassError.missing(sensor: .magnetometer, advice: "hide the compass")) {
             try await samples(1) {}
         }
         manager.lack(deviceMotion: true)
         do {
             _ = try await samples(1) {}
             Issue.record("no error")
-        } catch let error as SensorError {
-            #expect(error.developerText.contains("SensorOptions(gyroscope: false, up: false)"))
+        } catch let error as CompassError {
+            #expect(error.developerText.contains("CoreMotionSource.Options(gyroscope: false, up: false)"))
         }
         // and that works
-        let alone = try await samples(1, SensorOptions(gyroscope: false, up: false)) { manager.magnetometer(at: 1, 1, 2, 3) }
+        let alone = try await samples(1, CoreMotionSource.Options(gyroscope: false, up: false)) {
+            manager.magnetometer(at: 1, 1, 2, 3)
+        }
         #expect(alone.count == 1)
     }
 
@@ -43,9 +45,9 @@ import Testing
             override class func availableAttitudeReferenceFrames() -> CMAttitudeReferenceFrame { .xArbitraryZVertical }
         }
         let manager = WithoutCorrected()
-        var options = SensorOptions(systemField: true)
-        let missing = SensorError.missing(
-            sensor: .calibratedField, advice: "use SensorOptions(systemField: false)")
+        var options = CoreMotionSource.Options(systemField: true)
+        let missing = CompassError.missing(
+            sensor: .calibratedField, advice: "use CoreMotionSource.Options(systemField: false)")
         await #expect(throws: missing) {
             var iterator = CoreMotionSource(options: options, scripted: manager).samples().makeAsyncIterator()
             iterator.start()
@@ -71,7 +73,7 @@ import Testing
             override class func authorizationStatus() -> CMAuthorizationStatus { .authorized }
         }
         for manager in [Denied(), Restricted()] {
-            await #expect(throws: SensorError.accessRefused(sensor: .motion)) {
+            await #expect(throws: CompassError.accessRefused(sensor: .motion)) {
                 var iterator = CoreMotionSource(scripted: manager).samples().makeAsyncIterator()
                 iterator.start()
                 // an event for who began nevertheless
@@ -91,26 +93,28 @@ import Testing
 
     @Test func optionsOutOfRangeAreATypedError() async throws {
         for holdS in [-0.01, 0.26, .nan] {
-            let error = MagcompError.config(field: "SensorOptions.holdS", value: "\(holdS)", expected: "0 to 0.25 s")
-            await #expect(throws: error) { try await samples(1, SensorOptions(holdS: holdS)) {} }
+            let error = MagcompError.config(
+                field: "CoreMotionSource.Options.holdS", value: "\(holdS)", expected: "0 to 0.25 s")
+            await #expect(throws: error) { try await samples(1, CoreMotionSource.Options(holdS: holdS)) {} }
         }
         for rateHz in [0, -1, 1001] {
-            let error = MagcompError.config(field: "SensorOptions.rateHz", value: "\(rateHz)", expected: "1 to 1000")
-            await #expect(throws: error) { try await samples(1, SensorOptions(rateHz: rateHz)) {} }
+            let error = MagcompError.config(
+                field: "CoreMotionSource.Options.rateHz", value: "\(rateHz)", expected: "1 to 1000")
+            await #expect(throws: error) { try await samples(1, CoreMotionSource.Options(rateHz: rateHz)) {} }
         }
         #expect(manager.starts == 0)
     }
 
     @Test func refusedAccessEndsTheSequenceWithATypedError() async throws {
         for code in [CMErrorNotAuthorized, CMErrorNotEntitled] {
-            await #expect(throws: SensorError.accessRefused(sensor: .magnetometer)) {
+            await #expect(throws: CompassError.accessRefused(sensor: .magnetometer)) {
                 try await samples(1) { manager.magnetometerFails(code.error) }
             }
-            let words = SensorError.accessRefused(sensor: .magnetometer).developerText
+            let words = CompassError.accessRefused(sensor: .magnetometer).developerText
             #expect(words.contains("Settings > Privacy & Security > Motion & Fitness"), "\(words)")
             #expect(!manager.isMagnetometerActive && !manager.isDeviceMotionActive)
         }
-        await #expect(throws: SensorError.refused(sensor: .gyroscope, reason: "CMErrorDomain 109")) {
+        await #expect(throws: CompassError.refused(sensor: .gyroscope, reason: "CMErrorDomain 109")) {
             try await samples(1) { manager.deviceMotionFails(CMErrorNotAvailable.error) }
         }
         // also after events, and through the compensator; what came before arrives
@@ -120,7 +124,7 @@ import Testing
         manager.magnetometer(at: 1, 1, 2, 3)
         manager.magnetometerFails(CMErrorUnknown.error)
         #expect(try await readings.next() != nil)
-        await #expect(throws: SensorError.refused(sensor: .magnetometer, reason: "CMErrorDomain 103")) {
+        await #expect(throws: CompassError.refused(sensor: .magnetometer, reason: "CMErrorDomain 103")) {
             try await readings.next()
         }
         // who tries again gets events again
@@ -135,7 +139,7 @@ import Testing
         let late = manager.lateDeviceMotionError()
         let (lateMagnetometer, lateDeviceMotion) = (manager.lateMagnetometer(), manager.lateDeviceMotion())
         manager.magnetometerFails(CMErrorUnknown.error)
-        await #expect(throws: SensorError.self) { try await first.next() }
+        await #expect(throws: CompassError.self) { try await first.next() }
         var second = source.samples().makeAsyncIterator()
         second.start()
         #expect(manager.starts == 2)
@@ -149,7 +153,7 @@ import Testing
         #expect(manager.isMagnetometerActive && manager.isDeviceMotionActive)
         // its own error does
         manager.deviceMotionFails(CMErrorUnknown.error)
-        await #expect(throws: SensorError.refused(sensor: .gyroscope, reason: "CMErrorDomain 103")) {
+        await #expect(throws: CompassError.refused(sensor: .gyroscope, reason: "CMErrorDomain 103")) {
             while try await second.next() != nil {}
         }
     }

@@ -1,7 +1,7 @@
 #if canImport(CoreMotion) && !os(macOS)
 import CoreMotion
 import Foundation
-@testable import Magcomp
+@_spi(Research) @testable import Magcomp
 import Testing
 
 /// When the updates of a ``CoreMotionSource`` begin and end, and who gets their events.
@@ -9,7 +9,7 @@ import Testing
     let manager = CMMotionManager()
 
     @Test func updatesRunWhileIteratedAtTheRateAskedFor() async throws {
-        let source = CoreMotionSource(options: SensorOptions(rateHz: 50), scripted: manager)
+        let source = CoreMotionSource(options: CoreMotionSource.Options(rateHz: 50), scripted: manager)
         let sequence = source.samples()
         #expect(manager.starts == 0, "cold")
         do {
@@ -89,7 +89,7 @@ import Testing
     }
 
     @Test func twoIteratorsEachGetEveryEvent() async throws {
-        let source = CoreMotionSource(options: SensorOptions(gyroscope: false, up: false), scripted: manager)
+        let source = CoreMotionSource(options: CoreMotionSource.Options(gyroscope: false, up: false), scripted: manager)
         var first: SensorSamples.AsyncIterator? = source.samples().makeAsyncIterator()
         var second = source.samples().makeAsyncIterator()
         first?.start()
@@ -139,7 +139,7 @@ import Testing
     }
 
     @Test func noEventIsDroppedBeforeTheEstimator() async throws {
-        let samples = try await samples(20_000, SensorOptions(gyroscope: false, up: false)) {
+        let samples = try await samples(20_000, CoreMotionSource.Options(gyroscope: false, up: false)) {
             // all of them before the iterator asks for the first
             for k in 1...20_000 { manager.magnetometer(at: Double(k), 1, 2, 3) }
         }

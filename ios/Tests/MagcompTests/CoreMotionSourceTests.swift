@@ -1,7 +1,7 @@
 #if canImport(CoreMotion) && !os(macOS)
 import CoreMotion
 import Foundation
-@testable import Magcomp
+@_spi(Research) @testable import Magcomp
 import Testing
 
 /// What ``CoreMotionSource`` makes of the events of a stand-in of Core Motion.
@@ -32,9 +32,9 @@ import Testing
                 manager.magnetometer(at: events.iosTimestampS, m[0], m[1], m[2])
             }
             let expected: [SensorSample] = [
-                .rotationRate(RotationRateSample(timeNs: events.timeNs, rateRadS: DeviceVector(fact.rateRadS))),
-                .up(UpSample(timeNs: events.timeNs, upMS2: DeviceVector(fact.upMS2))),
-                .magnetic(MagneticSample(timeNs: events.timeNs, fieldUt: DeviceVector(fact.fieldUt))),
+                .rotationRate(SensorSample.RotationRate(timeNs: events.timeNs, rateRadS: DeviceVector(fact.rateRadS))),
+                .up(SensorSample.Up(timeNs: events.timeNs, upMS2: DeviceVector(fact.upMS2))),
+                .magnetic(SensorSample.Magnetic(timeNs: events.timeNs, fieldUt: DeviceVector(fact.fieldUt))),
             ]
             #expect(samples == expected, "\(fact.name)")
             guard case .up(let up) = samples[1], case .magnetic(let magnetic) = samples[2] else { continue }
@@ -46,24 +46,24 @@ import Testing
     }
 
     @Test func onlyTheSensorsAskedForAreUsed() async throws {
-        let alone = try await samples(1, SensorOptions(gyroscope: false, up: false)) {
+        let alone = try await samples(1, CoreMotionSource.Options(gyroscope: false, up: false)) {
             #expect(!manager.isDeviceMotionActive)
             manager.magnetometer(at: 1, 1, 2, 3)
         }
-        #expect(alone == [.magnetic(MagneticSample(timeNs: 1_000_000_000, fieldUt: DeviceVector(x: 1, y: 2, z: 3)))])
-        let withUp = try await samples(2, SensorOptions(gyroscope: false)) {
+        #expect(alone == [.magnetic(SensorSample.Magnetic(timeNs: 1_000_000_000, fieldUt: DeviceVector(x: 1, y: 2, z: 3)))])
+        let withUp = try await samples(2, CoreMotionSource.Options(gyroscope: false)) {
             // nobody knows at first that there is no gyroscope: its events are waited for
             for time in [1, 1.06] {
                 manager.deviceMotion(at: time, gravity: (0, 0, -1), rate: (1, 2, 3))
                 manager.magnetometer(at: time, 1, 2, 3)
             }
         }
-        #expect(withUp[0] == .up(UpSample(timeNs: 1_000_000_000, upMS2: DeviceVector(x: 0, y: 0, z: 9.80665))))
+        #expect(withUp[0] == .up(SensorSample.Up(timeNs: 1_000_000_000, upMS2: DeviceVector(x: 0, y: 0, z: 9.80665))))
     }
 
     @Test func everySensorMayBeAskedForAlone() async throws {
         // nobody knows at first that the others never come: their events are waited for
-        func alone(_ options: SensorOptions) async throws -> SensorSample? {
+        func alone(_ options: CoreMotionSource.Options) async throws -> SensorSample? {
             try await samples(1, options) {
                 for time in [1, 1.06] {
                     manager.deviceMotion(
@@ -73,11 +73,13 @@ import Testing
                 }
             }.first
         }
-        let field = SystemFieldSample(timeNs: 1_000_000_000, fieldUt: DeviceVector(x: 10, y: 20, z: -40), accuracy: .high)
-        #expect(try await alone(SensorOptions(gyroscope: false, up: false, systemField: true)) == .systemField(field))
-        let rate = RotationRateSample(timeNs: 1_000_000_000, rateRadS: DeviceVector(x: 1, y: 2, z: 3))
-        #expect(try await alone(SensorOptions(up: false)) == .rotationRate(rate))
-        let all = try await samples(4, SensorOptions(up: false)) {
+        let field = SensorSample.SystemField(
+            timeNs: 1_000_000_000, fieldUt: DeviceVector(x: 10, y: 20, z: -40), accuracy: .high)
+        #expect(
+            try await alone(CoreMotionSource.Options(gyroscope: false, up: false, systemField: true)) == .systemField(field))
+        let rate = SensorSample.RotationRate(timeNs: 1_000_000_000, rateRadS: DeviceVector(x: 1, y: 2, z: 3))
+        #expect(try await alone(CoreMotionSource.Options(up: false)) == .rotationRate(rate))
+        let all = try await samples(4, CoreMotionSource.Options(up: false)) {
             for time in [1, 1.06] { play(at: time) }
             manager.magnetometerFails(CMErrorUnknown.error)
         }
@@ -87,7 +89,7 @@ import Testing
     @Test func timesAreRoundedToNanoseconds() async throws {
         // 1.001 s are 1000999999.9999999 ns, as numbers go
         for time in [1.001, 16.13, 4.1] {
-            let found = try await samples(1, SensorOptions(gyroscope: false, up: false)) {
+            let found = try await samples(1, CoreMotionSource.Options(gyroscope: false, up: false)) {
                 manager.magnetometer(at: .nan, 1, 2, 3)
                 manager.magnetometer(at: time, 1, 2, 3)
             }
@@ -96,7 +98,7 @@ import Testing
     }
 
     @Test func theLagIsTheLargestOfThisSecondAndTheOneBefore() async throws {
-        let source = CoreMotionSource(options: SensorOptions(holdS: 0), scripted: manager)
+        let source = CoreMotionSource(options: CoreMotionSource.Options(holdS: 0), scripted: manager)
         var iterator = source.samples().makeAsyncIterator()
         iterator.start()
         /// The lag when device motion has come so much later than the magnetometer's latest event.
@@ -116,7 +118,7 @@ import Testing
     /// The magnetometer alone, by a clock of the test's.
     private func source(by clock: Shared<Double>) -> CoreMotionSource {
         CoreMotionSource(
-            options: SensorOptions(gyroscope: false, up: false), scripted: manager,
+            options: CoreMotionSource.Options(gyroscope: false, up: false), scripted: manager,
             continuousNs: { Int64(clock.value * 1e9) })
     }
 
@@ -179,12 +181,12 @@ import Testing
     }
 
     @Test func theSystemsOwnFieldIsBesideOurs() async throws {
-        let source = CoreMotionSource(options: SensorOptions(systemField: true), scripted: manager)
+        let source = CoreMotionSource(options: CoreMotionSource.Options(systemField: true), scripted: manager)
         var readings = source.samples().compensated().makeAsyncIterator()
         readings.start()
         try await eventually { manager.isDeviceMotionActive }
         #expect(manager.frame == .xArbitraryCorrectedZVertical)
-        let accuracies: [(CMMagneticFieldCalibrationAccuracy, SystemFieldSample.Accuracy)] = [
+        let accuracies: [(CMMagneticFieldCalibrationAccuracy, SensorSample.SystemField.Accuracy)] = [
             (.uncalibrated, .uncalibrated), (.low, .low), (.medium, .medium), (.high, .high),
         ]
         for (k, (theirs, ours)) in accuracies.enumerated() {
@@ -194,7 +196,7 @@ import Testing
             manager.magnetometer(at: time, 110, 20, time)
             let reading = try #require(try await readings.next())
             let field = DeviceVector(x: 10, y: 20, z: -40)
-            let expected = SystemFieldSample(timeNs: Int64(k + 1) * 1_000_000_000, fieldUt: field, accuracy: ours)
+            let expected = SensorSample.SystemField(timeNs: Int64(k + 1) * 1_000_000_000, fieldUt: field, accuracy: ours)
             #expect(reading.systemField == expected)
             #expect(reading.sample.fieldUt.x == 110)
         }
@@ -204,8 +206,8 @@ import Testing
         final class Without: CMMotionManager {
             override class func availableAttitudeReferenceFrames() -> CMAttitudeReferenceFrame { [.xArbitraryZVertical] }
         }
-        #expect(SensorOptions.ofCompass(CMMotionManager.self) == SensorOptions(systemField: true))
-        #expect(SensorOptions.ofCompass(Without.self) == SensorOptions())
+        #expect(CoreMotionSource.Options.ofCompass(CMMotionManager.self) == CoreMotionSource.Options(systemField: true))
+        #expect(CoreMotionSource.Options.ofCompass(Without.self) == CoreMotionSource.Options())
     }
 
     @Test func aPauseEndsNothing() async throws {

@@ -65,7 +65,7 @@ import Testing
         let help = CourseHelp(Compass(source: Played(events: [])), locations: locations)
         help.headed = .vehicle
         await answer(.authorizedWhenInUse, .reducedAccuracy)
-        #expect(help.refusal == .sensor(.accessRefused(sensor: .preciseLocation)))
+        #expect(help.refusal == .accessRefused(sensor: .preciseLocation))
         for status in [CLAuthorizationStatus.authorizedWhenInUse, .authorizedAlways] {
             await answer(status)
             #expect(help.refusal == nil)

@@ -119,7 +119,7 @@ import Testing
         let compensator = try Compensator()
         func push(_ timeNs: Double, _ x: Double) throws -> CompensationStatus {
             let field = DeviceVector(x: x, y: 0, z: 0)
-            return try compensator.push(MagneticSample(timeNs: Int64(timeNs), fieldUt: field)).status
+            return try compensator.push(SensorSample.Magnetic(timeNs: Int64(timeNs), fieldUt: field)).status
         }
         #expect(try push(0, limits.magneticUt[0]).label == "collecting")
         guard case .rejected(.outOfRange) = try push(1, limits.magneticUt[1]) else { throw Unexpected() }
@@ -128,12 +128,12 @@ import Testing
 
         let other = try Compensator()
         func rate(_ timeNs: Int64, _ x: Double) throws -> Bool {
-            try other.pushRotationRate(RotationRateSample(timeNs: timeNs, rateRadS: DeviceVector(x: x, y: 0, z: 0)))
+            try other.pushRotationRate(SensorSample.RotationRate(timeNs: timeNs, rateRadS: DeviceVector(x: x, y: 0, z: 0)))
         }
         #expect(try rate(1, limits.rotationRateRadS[0]))
         #expect(try !rate(2, limits.rotationRateRadS[1]))
         func up(_ timeNs: Int64, _ x: Double) throws -> Bool {
-            try other.pushUp(UpSample(timeNs: timeNs, upMS2: DeviceVector(x: x, y: 0, z: 0)))
+            try other.pushUp(SensorSample.Up(timeNs: timeNs, upMS2: DeviceVector(x: x, y: 0, z: 0)))
         }
         #expect(try up(1, limits.upMS2[0]))
         #expect(try !up(2, limits.upMS2[1]))
@@ -142,15 +142,15 @@ import Testing
     struct Unexpected: Error {}
 
     @Test func statuses() {
-        let poor = FitProblem.poorCoverage(directionSigmaDeg: 12.5, limitDeg: 10)
-        let problems: [FitProblem] = [
+        let poor = CompensationStatus.FitProblem.poorCoverage(directionSigmaDeg: 12.5, limitDeg: 10)
+        let problems: [CompensationStatus.FitProblem] = [
             .tooFewSamples(have: 8), .planar(thicknessUt: 0.5), poor, .inconsistent(residualUt: 7.5, limitUt: 2.5),
             .notAnEllipsoid, .fieldOutOfRange(fieldUt: 90, lowUt: 22, highUt: 67), .notFinite,
         ]
-        let held: [HoldReason] = [
+        let held: [CompensationStatus.HoldReason] = [
             .lowUniformity, .fitRefused(problem: poor), .constant, .atRest, .tooLittleRotation, .noGyroscope,
         ]
-        let rejected: [RejectReason] = [
+        let rejected: [CompensationStatus.RejectReason] = [
             .notFinite, .outOfRange(valueUt: -2500, limitUt: 2000), .saturated(axis: .x, valueUt: 1300, railUt: 1299.5),
             .timeNotAfter(timeNs: 7, latestNs: 8), .timeJump(gapS: 1e6, limitS: 604_800), .stuck(repeats: 50),
             .axes(x: 2, y: -1, z: 3),
@@ -166,7 +166,7 @@ import Testing
     }
 
     @Test func errors() throws {
-        let rejections: [EventRejection] = [.notFinite, .outOfRange, .late, .duplicate, .ahead]
+        let rejections: [MagcompError.EventRejection] = [.notFinite, .outOfRange, .late, .duplicate, .ahead]
         #expect(rejections.map { $0.text } == facts.eventRejections.map(\.text))
         #expect(facts.errors.count == 3 && facts.borderErrors.count == 2)
         for fact in facts.errors + facts.borderErrors {

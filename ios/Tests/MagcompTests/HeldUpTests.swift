@@ -24,7 +24,7 @@ import Testing
     }
 
     @Test func nothingWaitsForAStoreThatLoads() async throws {
-        let heading = HeadingSample(timeNs: 1, headingDeg: 1, sigmaDeg: 1, reference: .true, axis: .vehicle)
+        let heading = SensorSample.Heading(timeNs: 1, headingDeg: 1, sigmaDeg: 1, reference: .true, axis: .vehicle)
         let calls: [@Sendable (Compass) throws -> Void] = [
             { $0.reset() }, { _ = try $0.foundDeclination() }, { compass in _ = try compass.aid(with: heading) },
             { $0.save() },
@@ -142,7 +142,7 @@ import Testing
         steps.map { step in
             CompensatedReading(
                 reading: MagneticReading(status: .tracking),
-                sample: MagneticSample(timeNs: step * stepNs, fieldUt: DeviceVector(x: 20, y: 0, z: -40)))
+                sample: SensorSample.Magnetic(timeNs: step * stepNs, fieldUt: DeviceVector(x: 20, y: 0, z: -40)))
         }
     }
 

@@ -1,7 +1,7 @@
 #if canImport(CoreMotion) && !os(macOS)
 import CoreMotion
 import Foundation
-@testable import Magcomp
+@_spi(Research) @testable import Magcomp
 import Testing
 
 /// Device motion that is delivered later than the magnetometer, on two recordings; prints the table of errors.
@@ -26,7 +26,7 @@ import Testing
         /// The readings when device motion comes so much later.
         func readings(lagS: Double, holdS: Double) async throws -> (readings: [MagneticReading], seenS: Double?) {
             let manager = CMMotionManager()
-            let source = CoreMotionSource(options: SensorOptions(holdS: holdS), scripted: manager)
+            let source = CoreMotionSource(options: CoreMotionSource.Options(holdS: holdS), scripted: manager)
             var iterator = source.samples().compensated(capacity: rows.count).makeAsyncIterator()
             iterator.start()
             try await eventually { manager.isMagnetometerActive }
@@ -36,7 +36,7 @@ import Testing
             var readings: [MagneticReading] = []
             do {
                 while let reading = try await iterator.next() { readings.append(reading.reading) }
-            } catch SensorError.refused {}
+            } catch CompassError.refused {}
             return (readings, source.lagS)
         }
 

@@ -15,10 +15,10 @@ import Testing
                     for k in 0..<300 {
                         let timeNs = Int64(k * 8 + number + 1) * 1000
                         let v = DeviceVector(x: Double(k), y: 10, z: 20)
-                        _ = try compensator.push(MagneticSample(timeNs: timeNs, fieldUt: v))
-                        try compensator.pushUp(UpSample(timeNs: timeNs, upMS2: DeviceVector(x: 0, y: 0, z: 9.8)))
+                        _ = try compensator.push(SensorSample.Magnetic(timeNs: timeNs, fieldUt: v))
+                        try compensator.pushUp(SensorSample.Up(timeNs: timeNs, upMS2: DeviceVector(x: 0, y: 0, z: 9.8)))
                         answered.change { $0 += 1 }
-                        if k % 50 == 10 { _ = try compensator.coverage() }
+                        if k % 50 == 10 { _ = try compensator.unseenDirections() }
                         if number == 7, k == 6 * round { compensator.close() }
                     }
                 } catch MagcompError.closed {
@@ -40,9 +40,9 @@ import Testing
                 guard case .magnetic(let sample) = event else { continue }
                 let timeNs = sample.timeNs + offsetNs
                 try compensator.pushRotationRate(
-                    RotationRateSample(timeNs: timeNs, rateRadS: DeviceVector(x: 0.1, y: 0.2, z: 0.3)))
-                try compensator.pushUp(UpSample(timeNs: timeNs, upMS2: DeviceVector(x: 0, y: 0, z: 9.8)))
-                _ = try compensator.push(MagneticSample(timeNs: timeNs, fieldUt: sample.fieldUt))
+                    SensorSample.RotationRate(timeNs: timeNs, rateRadS: DeviceVector(x: 0.1, y: 0.2, z: 0.3)))
+                try compensator.pushUp(SensorSample.Up(timeNs: timeNs, upMS2: DeviceVector(x: 0, y: 0, z: 9.8)))
+                _ = try compensator.push(SensorSample.Magnetic(timeNs: timeNs, fieldUt: sample.fieldUt))
             }
             offsetNs += Int64(events.count) * stepNs
         }
@@ -57,7 +57,7 @@ import Testing
     @Test(.enabled(if: Self.hasProc, "Linux tells a process its memory")) func compensatorsAreFreed() throws {
         func some() throws {
             for _ in 0..<100 {
-                _ = try Compensator().push(MagneticSample(timeNs: 1, fieldUt: DeviceVector(x: 1, y: 2, z: 3)))
+                _ = try Compensator().push(SensorSample.Magnetic(timeNs: 1, fieldUt: DeviceVector(x: 1, y: 2, z: 3)))
             }
         }
         for _ in 0..<3 { try some() }

@@ -8,12 +8,12 @@ import Testing
     let manager = CMMotionManager()
 
     @Test func whatIsPushedIsWhatASourceOfCoreMotionGives() async throws {
-        let options = SensorOptions(systemField: true)
+        let options = CoreMotionSource.Options(systemField: true)
         let theirs = try await samples(8, options) { for k in 1...2 { play(at: Double(k)) } }
         let source = PushedSource()
         var (one, other) = (source.samples().makeAsyncIterator(), source.samples().makeAsyncIterator())
         // nobody iterates yet
-        source.push([.up(UpSample(timeNs: 0, upMS2: DeviceVector(x: 0, y: 0, z: 9.8)))])
+        source.push([.up(SensorSample.Up(timeNs: 0, upMS2: DeviceVector(x: 0, y: 0, z: 9.8)))])
         one.start()
         other.start()
         let app = CMMotionManager()
@@ -41,10 +41,10 @@ import Testing
         var iterator = source.samples().makeAsyncIterator()
         iterator.start()
         func magnetic(_ timeNs: Int64) -> SensorSample {
-            .magnetic(MagneticSample(timeNs: timeNs, fieldUt: DeviceVector(x: 1, y: 2, z: 3)))
+            .magnetic(SensorSample.Magnetic(timeNs: timeNs, fieldUt: DeviceVector(x: 1, y: 2, z: 3)))
         }
         func rate(_ timeNs: Int64) -> SensorSample {
-            .rotationRate(RotationRateSample(timeNs: timeNs, rateRadS: DeviceVector(x: 1, y: 2, z: 3)))
+            .rotationRate(SensorSample.RotationRate(timeNs: timeNs, rateRadS: DeviceVector(x: 1, y: 2, z: 3)))
         }
         source.push([magnetic(10_000_000), magnetic(20_000_000)])
         // another one takes nothing from what waits
@@ -61,7 +61,9 @@ import Testing
     /// A second reader, once the first has left: nothing of the first's is left, and the order begins anew.
     @Test func whoHasLeftGetsNothingAndTheNextBeginsAnew() async throws {
         let source = PushedSource()
-        func up(_ timeNs: Int64) -> SensorSample { .up(UpSample(timeNs: timeNs, upMS2: DeviceVector(x: 0, y: 0, z: 9.8))) }
+        func up(_ timeNs: Int64) -> SensorSample {
+            .up(SensorSample.Up(timeNs: timeNs, upMS2: DeviceVector(x: 0, y: 0, z: 9.8)))
+        }
         let (first, second) = (Shared<[Int64]>([]), Shared<[Int64]>([]))
         func read(_ seen: Shared<[Int64]>) -> Task<Void, any Error> {
             let iterator = source.samples().makeAsyncIterator()

@@ -26,7 +26,7 @@ import Testing
             ("t_s,mx,my,mz\n,1,2,3\n", 2, "t_s", "an empty cell, where others of the sensor have numbers"),
         ] as [(String, Int, String?, String)])
     func oneThatIsNotInOrderSaysWhere(text: String, line: Int, column: String?, problem: String) async {
-        let error = RecordingSourceError(name: "r.csv", line: line, column: column, problem: problem)
+        let error = RecordingSource.FileError(name: "r.csv", line: line, column: column, problem: problem)
         await #expect(throws: error) { try await source(text).samples().collected() }
     }
 
@@ -36,7 +36,7 @@ import Testing
         do {
             _ = try await source.samples().collected()
             Issue.record("no error")
-        } catch let error as RecordingSourceError {
+        } catch let error as RecordingSource.FileError {
             #expect(error.localizedDescription.hasSuffix("it is compressed; decompress it with gunzip"))
         }
     }
@@ -45,8 +45,8 @@ import Testing
         // with the mark, the line ends and the empty last line of a spreadsheet
         let source = source("\u{FEFF}mz,note,mx,my,t_s,ax,ay,az\r\n3,?, 1,2,0.25,0,0,9.8\r\n\r\n")
         let expected: [SensorSample] = [
-            .up(UpSample(timeNs: 250_000_000, upMS2: DeviceVector(x: 0, y: 0, z: 9.8))),
-            .magnetic(MagneticSample(timeNs: 250_000_000, fieldUt: DeviceVector(x: 1, y: 2, z: 3))),
+            .up(SensorSample.Up(timeNs: 250_000_000, upMS2: DeviceVector(x: 0, y: 0, z: 9.8))),
+            .magnetic(SensorSample.Magnetic(timeNs: 250_000_000, fieldUt: DeviceVector(x: 1, y: 2, z: 3))),
         ]
         #expect(try await source.samples().collected() == expected)
         #expect(try await source.samples().collected() == expected)
@@ -65,18 +65,18 @@ import Testing
             """
         func event(_ ms: Int64, _ make: (Int64) -> SensorSample) -> SensorSample { make(ms * 1_000_000) }
         let expected = [
-            event(0) { .rotationRate(RotationRateSample(timeNs: $0, rateRadS: DeviceVector(x: 0, y: 0.2, z: 1))) },
+            event(0) { .rotationRate(SensorSample.RotationRate(timeNs: $0, rateRadS: DeviceVector(x: 0, y: 0.2, z: 1))) },
             event(3) {
                 .systemField(
-                    SystemFieldSample(timeNs: $0, fieldUt: DeviceVector(x: 4, y: 5, z: 6), accuracy: .uncalibrated))
+                    SensorSample.SystemField(timeNs: $0, fieldUt: DeviceVector(x: 4, y: 5, z: 6), accuracy: .uncalibrated))
             },
-            event(3) { .magnetic(MagneticSample(timeNs: $0, fieldUt: DeviceVector(x: 1, y: 2, z: 3))) },
-            event(6) { .up(UpSample(timeNs: $0, upMS2: DeviceVector(x: 0.1, y: 0.2, z: 9.8))) },
+            event(3) { .magnetic(SensorSample.Magnetic(timeNs: $0, fieldUt: DeviceVector(x: 1, y: 2, z: 3))) },
+            event(6) { .up(SensorSample.Up(timeNs: $0, upMS2: DeviceVector(x: 0.1, y: 0.2, z: 9.8))) },
             event(10) {
                 .heading(
-                    HeadingSample(timeNs: $0, headingDeg: 271, sigmaDeg: 4, reference: .true, axis: .vehicle))
+                    SensorSample.Heading(timeNs: $0, headingDeg: 271, sigmaDeg: 4, reference: .true, axis: .vehicle))
             },
-            event(10) { .magnetic(MagneticSample(timeNs: $0, fieldUt: DeviceVector(x: 7, y: 8, z: 9))) },
+            event(10) { .magnetic(SensorSample.Magnetic(timeNs: $0, fieldUt: DeviceVector(x: 7, y: 8, z: 9))) },
         ]
         #expect(
             try await source(text).samples().collected()
@@ -100,7 +100,7 @@ import Testing
                 softIron: SoftIron(xx: 1, yy: 1, zz: 1, xy: 0, xz: 0, yz: 0),
                 hardIronUt: DeviceVector(x: 0, y: 0, z: 0), fieldStrengthUt: 49.244),
             initialSigmaUt: 30, heading: HeadingConfig(declinationDeg: 0))
-        func last(_ headed: HeadedAxis?) async throws -> CompensatedReading {
+        func last(_ headed: SensorSample.HeadedAxis?) async throws -> CompensatedReading {
             let source = RecordingSource(name: "r.csv", courses: headed) { Data(text.utf8) }
             return try #require(try await Compass(source: source, config: config).readings().collected().last)
         }

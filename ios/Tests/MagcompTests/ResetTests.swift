@@ -46,7 +46,7 @@ import Testing
     func lying(_ range: Range<Int>, _ system: DeviceVector) -> [SensorSample] {
         range.flatMap { k -> [SensorSample] in
             let timeNs = Int64(k + 1) * stepNs
-            return [.systemField(SystemFieldSample(timeNs: timeNs, fieldUt: system, accuracy: .high))] + flat(k)
+            return [.systemField(SensorSample.SystemField(timeNs: timeNs, fieldUt: system, accuracy: .high))] + flat(k)
         }
     }
 

@@ -84,8 +84,8 @@ import Testing
         let attitudes = try vectors("headings.json", as: Headings.self).attitudes
         let ours = try attitudes.enumerated().map { number, attitude in
             var all: [Double?] = []
-            for axis in [ReferenceAxis.topEdge, .camera, .auto] {
-                for rotation in [ScreenRotation.deg0, .deg90, .deg180, .deg270] {
+            for axis in [HeadingFrame.ReferenceAxis.topEdge, .camera, .auto] {
+                for rotation in [HeadingFrame.ScreenRotation.deg0, .deg90, .deg180, .deg270] {
                     let frame = HeadingFrame(axis: axis, screenRotation: rotation)
                     let found = try CompassHeading(
                         fieldUt: DeviceVector(attitude.fieldUt), up: DeviceVector(attitude.up), frame: frame)
@@ -111,8 +111,8 @@ import Testing
         let facts = try vectors("headings.json", as: Headings.self).facts
         #expect(facts.count >= 12)
         for fact in facts {
-            let rotation = [ScreenRotation.deg0, .deg90, .deg180, .deg270][fact.screenRotationDeg / 90]
-            let axes: [(ReferenceAxis, Double?)] = [
+            let rotation = [HeadingFrame.ScreenRotation.deg0, .deg90, .deg180, .deg270][fact.screenRotationDeg / 90]
+            let axes: [(HeadingFrame.ReferenceAxis, Double?)] = [
                 (.topEdge, fact.topEdgeDeg), (.camera, fact.cameraDeg), (.auto, fact.autoDeg),
             ]
             for (axis, wanted) in axes {

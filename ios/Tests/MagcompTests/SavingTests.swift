@@ -155,9 +155,9 @@ import Testing
             field = seen(field, rate)
             let raw = DeviceVector(x: field.x + 30, y: field.y - 20, z: field.z + 40)
             return [
-                .rotationRate(RotationRateSample(timeNs: timeNs, rateRadS: noisy(rate, 0.002))),
-                .up(UpSample(timeNs: timeNs, upMS2: noisy(up, 0.02))),
-                .magnetic(MagneticSample(timeNs: timeNs, fieldUt: noisy(raw, 0.3))),
+                .rotationRate(SensorSample.RotationRate(timeNs: timeNs, rateRadS: noisy(rate, 0.002))),
+                .up(SensorSample.Up(timeNs: timeNs, upMS2: noisy(up, 0.02))),
+                .magnetic(SensorSample.Magnetic(timeNs: timeNs, fieldUt: noisy(raw, 0.3))),
             ]
         }
     }
@@ -211,8 +211,8 @@ import Testing
             let field = DeviceVector(
                 x: last.fieldUt.x + noise(3), y: last.fieldUt.y + noise(5), z: last.fieldUt.z + noise(7))
             return [
-                .up(UpSample(timeNs: timeNs, upMS2: up.upMS2)),
-                .magnetic(MagneticSample(timeNs: timeNs, fieldUt: field)),
+                .up(SensorSample.Up(timeNs: timeNs, upMS2: up.upMS2)),
+                .magnetic(SensorSample.Magnetic(timeNs: timeNs, fieldUt: field)),
             ]
         }
     }

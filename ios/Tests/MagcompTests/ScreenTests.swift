@@ -8,67 +8,76 @@ import Testing
         let heading = headingDeg.map {
             CompassHeading(headingDeg: $0, headingSigmaDeg: sigma, trueHeadingDeg: trueDeg, inclinationDeg: 60)
         }
-        let sample = MagneticSample(timeNs: ms * 1_000_000, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
+        let sample = SensorSample.Magnetic(timeNs: ms * 1_000_000, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
         return CompensatedReading(reading: MagneticReading(status: .tracking, heading: heading), sample: sample)
     }
 
-    /// The headings shown, nil where the reading was not shown.
-    func shown(_ display: CompassDisplay, _ answers: [CompensatedReading]) -> [CompassState?] {
-        var screen = CompassScreen(display)
-        return answers.map { screen.see($0) ? screen.state : nil }
+    /// What is shown of each.
+    func shown(_ answers: [CompensatedReading], halfLifeS: Double? = nil) -> [CompassState] {
+        var screen = CompassScreen(smoothingHalfLifeS: halfLifeS)
+        return answers.map {
+            screen.see($0)
+            return screen.state
+        }
     }
 
     @Test func aHeadingWithoutASigmaIsAsUnsureAsCanBe() {
-        let states = shown(CompassDisplay(), [answer(0, 10, sigma: nil), answer(100, nil), answer(200, 10)])
-        #expect(states.map(\.?.headingSigmaDeg) == [180, 180, 2])
-        #expect(states.map(\.?.headingDeg) == [10, nil, 10])
+        let states = shown([answer(0, 10, sigma: nil), answer(100, nil), answer(200, 10)])
+        #expect(states.map(\.headingSigmaDeg) == [180, 180, 2])
+        #expect(states.map(\.headingDeg) == [10, nil, 10])
     }
 
     @Test func bothHeadingsAreSmoothedTheShorterWayRound() {
-        let display = CompassDisplay(smoothingHalfLifeS: 0.1)
-        let states = shown(display, [answer(0, 350, true: 353), answer(100, 10, true: 13)])
-        #expect(abs((states[1]?.headingDeg ?? 99).remainder(dividingBy: 360)) < 1e-9)
-        #expect(abs((states[1]?.trueHeadingDeg ?? 99) - 3) < 1e-9)
+        let states = shown([answer(0, 350, true: 353), answer(100, 10, true: 13)], halfLifeS: 0.1)
+        #expect(abs((states[1].headingDeg ?? 99).remainder(dividingBy: 360)) < 1e-9)
+        #expect(abs((states[1].trueHeadingDeg ?? 99) - 3) < 1e-9)
     }
 
     @Test func nothingIsSmoothedAcrossAMomentWithoutAHeading() {
-        let display = CompassDisplay(smoothingHalfLifeS: 10)
-        let states = shown(display, [answer(0, 100, true: 103), answer(100, nil), answer(200, 200, true: 203)])
-        #expect(states[2]?.headingDeg == 200 && states[2]?.trueHeadingDeg == 203)
+        let states = shown([answer(0, 100, true: 103), answer(100, nil), answer(200, 200, true: 203)], halfLifeS: 10)
+        #expect(states[2].headingDeg == 200 && states[2].trueHeadingDeg == 203)
     }
 
-    @Test func aClockThatBeginsAnewDoesNotFreezeIt() {
-        let states = shown(CompassDisplay(rateHz: 10), [answer(60_000, 1), answer(0, 2), answer(50, 3), answer(100, 4)])
-        #expect(states.map { $0 != nil } == [true, true, false, true])
+    /// What a screen of 10 Hz is given.
+    private func given(_ answers: [CompensatedReading]) async throws -> [Int64] {
+        let reader = Reader(run: 1, capacity: 10, rateHz: 10)
+        #expect(reader.take(answers[...], waits: true).isEmpty)
+        reader.finish()
+        var times: [Int64] = []
+        while let answer = try await reader.next(isolation: nil) {
+            times.append(answer.isSilent ? -1 : answer.sample.timeNs / 1_000_000)
+        }
+        return times
     }
 
-    @Test func theLastReadingIsShownWhenItEnds() {
-        var screen = CompassScreen(CompassDisplay(rateHz: 10))
-        #expect(screen.see(answer(0, 1)) && !screen.see(answer(10, 2)) && screen.state.headingDeg == 1)
-        let ends = [screen.end(isLive: false), screen.state.headingDeg == 2, screen.end(isLive: false)]
-        #expect(ends == [true, true, false])
-        let sees = [screen.see(answer(200, 3)), screen.end(isLive: false)]
-        #expect(sees == [true, false])
-        // sensors that have ended leave no heading
-        let isLost = screen.end(isLive: true)
-        #expect(isLost && screen.state.headingDeg == nil && screen.state.reading?.isSilent == true)
-        var other = CompassScreen(CompassDisplay(rateHz: 10))
-        let isShown = other.end(isLive: true)
-        #expect(!isShown && other.state == CompassState())
+    @Test func aClockThatBeginsAnewDoesNotFreezeIt() async throws {
+        let times = try await given([answer(60_000, 1), answer(0, 2), answer(50, 3), answer(100, 4)])
+        #expect(times == [60_000, 0, 100])
     }
 
-    @Test func silenceIsShownAtOnceAndSoIsWhatComesAfterIt() {
-        var screen = CompassScreen(CompassDisplay(rateHz: 10, smoothingHalfLifeS: 10))
-        let before = [screen.see(answer(0, 1)), screen.see(answer(10, 2))]
-        let isTold = screen.see(CompensatedReading(silentAfter: answer(10, 2).sample))
-        #expect(before == [true, false] && isTold)
-        let state = screen.state
-        #expect(state.headingDeg == nil && state.headingSigmaDeg == 180 && state.trueHeadingDeg == nil)
-        #expect(state.status == "the magnetometer delivers nothing" && state.guidance == nil && state.totalFieldUt == nil)
-        // the one that waited is older, and is not smoothed into what comes
-        let after = [screen.end(isLive: false), screen.see(answer(20, 90))]
-        #expect(after == [false, true])
-        #expect(screen.state.headingDeg == 90 && screen.state.status == "tracking")
+    @Test func silenceIsShownAtOnceAndSoIsWhatComesAfterIt() async throws {
+        let silent = CompensatedReading(silentAfter: answer(10, 2).sample)
+        // the one that waited is older
+        let times = try await given([answer(0, 1), answer(10, 2), silent, answer(20, 90), answer(30, 91)])
+        #expect(times == [0, -1, 20, 30])
+        let states = shown([answer(0, 1), silent, answer(20, 90)], halfLifeS: 10)
+        #expect(states[1].headingDeg == nil && states[1].headingSigmaDeg == 180 && states[1].trueHeadingDeg == nil)
+        #expect(states[1].status == "the magnetometer delivers nothing" && states[1].guidance == nil)
+        // and is not smoothed into what comes
+        #expect(states[2].headingDeg == 90 && states[2].status == "tracking")
+    }
+
+    @Test @MainActor func theLastReadingIsShownWhenARecordingEndsAndNoneOfSensorsThatHaveEnded() async throws {
+        for isLive in [false, true] {
+            let model = CompassModel(compass: Compass(source: Played(events: tumbling(601), isLive: isLive)), rateHz: 1)
+            await model.run()
+            #expect(model.reading?.sample.timeNs == 601 * stepNs)
+            #expect((model.headingDeg == nil) == isLive && model.reading?.isSilent == isLive)
+            // nothing came
+            let other = CompassModel(compass: Compass(source: Played(events: [], isLive: isLive)))
+            await other.run()
+            #expect(other.reading == nil && other.status == "starting")
+        }
     }
 
     /// The main thread was busy: what it sees then is the newest reading, not those that piled up.
@@ -89,7 +98,8 @@ import Testing
         let shown = Shared<[Int64]>([])
         let compass = Compass(source: source)
         let running = Task {
-            await compass.follow(CompassDisplay(rateHz: 1e6), retries: AsyncStream { $0.finish() }) { state in
+            let retries = AsyncStream<Void> { $0.finish() }
+            await compass.follow(rateHz: 1e6, smoothingHalfLifeS: nil, retries: retries) { state in
                 if let reading = state.reading { shown.change { $0.append(reading.sample.timeNs) } }
             }
         }

@@ -108,7 +108,7 @@ import Testing
 
     @Test func theSystemsHardIronIsHeardBesideAKeptCalibrationOnlyWhereTheSystemIsSureOfIt() async throws {
         let learned = try await learn()
-        func offUt(_ system: SystemFieldSample.Accuracy?) async throws -> Double {
+        func offUt(_ system: SensorSample.SystemField.Accuracy?) async throws -> Double {
             store.state.change { $0.text = learned }
             var phone = Phone(4, hardIron: hardIronUt + DeviceVector(x: 22, y: -22, z: 22), system: system)
             phone.layDown(120)
@@ -227,7 +227,7 @@ extension DeviceVector {
 struct Phone {
     private let hardIron: DeviceVector
     /// What iOS says of its own field, which is right then.
-    private let system: SystemFieldSample.Accuracy?
+    private let system: SensorSample.SystemField.Accuracy?
     private var state: UInt64
     /// The world's north and up in the device.
     private var (north, up) = (DeviceVector(x: 0, y: 1, z: 0), DeviceVector(x: 0, y: 0, z: 1))
@@ -237,7 +237,7 @@ struct Phone {
     /// Of the place, uT.
     var horizontalUt = 21.0
 
-    init(_ seed: UInt64, hardIron: DeviceVector = hardIronUt, system: SystemFieldSample.Accuracy? = nil) {
+    init(_ seed: UInt64, hardIron: DeviceVector = hardIronUt, system: SensorSample.SystemField.Accuracy? = nil) {
         (state, self.hardIron, self.system) = (seed &* 2 &+ 1, hardIron, system)
     }
 
@@ -259,15 +259,15 @@ struct Phone {
         (north, up) = (Self.seen(north, rate), Self.seen(up, rate))
         timeNs += stepNs
         var events: [SensorSample] = [
-            .rotationRate(RotationRateSample(timeNs: timeNs, rateRadS: noisy(rate, 0.003))),
-            .up(UpSample(timeNs: timeNs, upMS2: noisy(up * 9.81, 0.05))),
+            .rotationRate(SensorSample.RotationRate(timeNs: timeNs, rateRadS: noisy(rate, 0.003))),
+            .up(SensorSample.Up(timeNs: timeNs, upMS2: noisy(up * 9.81, 0.05))),
         ]
         let raw = noisy(field + hardIron, 0.5)
         if let system {
-            let calibrated = SystemFieldSample(timeNs: timeNs, fieldUt: raw + hardIron * -1, accuracy: system)
+            let calibrated = SensorSample.SystemField(timeNs: timeNs, fieldUt: raw + hardIron * -1, accuracy: system)
             events.append(.systemField(calibrated))
         }
-        return events + [.magnetic(MagneticSample(timeNs: timeNs, fieldUt: raw))]
+        return events + [.magnetic(SensorSample.Magnetic(timeNs: timeNs, fieldUt: raw))]
     }
 
     private mutating func noisy(_ v: DeviceVector, _ size: Double) -> DeviceVector {

@@ -14,7 +14,7 @@ import Testing
     @Test func viewsOfOneModelShareItsRun() async throws {
         let source = Live()
         let model = CompassModel(
-            compass: Compass(source: source), display: CompassDisplay(rateHz: 1e6, smoothingHalfLifeS: 1))
+            compass: Compass(source: source), rateHz: 1e6, smoothingHalfLifeS: 1)
         let first = view(model)
         try await source.started(1)
         source.play(tumbling(600))
@@ -48,7 +48,7 @@ import Testing
 
     @Test func aViewThatComesWhileTheLastOneLeavesHasARunOfItsOwn() async throws {
         let source = Live()
-        let model = CompassModel(compass: Compass(source: source), display: CompassDisplay(rateHz: 1e6))
+        let model = CompassModel(compass: Compass(source: source), rateHz: 1e6)
         let first = view(model)
         try await source.started(1)
         first.cancel()
@@ -70,13 +70,13 @@ import Testing
     @Test func everyViewEndsWithTheSource() async throws {
         let source = Live()
         let (model, other) = (
-            CompassModel(compass: Compass(source: source)), CompassModel(compass: Compass(source: NoSource()))
+            CompassModel(compass: Compass(source: source)), CompassModel(compass: Compass(source: Played(events: [])))
         )
         let views = [view(model), view(model)]
         try await source.started(1)
-        source.finish(SensorError.accessRefused(sensor: .motion))
+        source.finish(CompassError.accessRefused(sensor: .motion))
         for view in views { await view.value }
-        #expect(model.error == .sensor(.accessRefused(sensor: .motion)))
+        #expect(model.error == .accessRefused(sensor: .motion))
         // nothing to try again
         model.retry()
         await other.run()
@@ -86,7 +86,7 @@ import Testing
 
     @Test func whatMayPassIsTriedAgainWhenItIsAskedFor() async throws {
         let source = Live()
-        let model = CompassModel(compass: Compass(source: source), display: CompassDisplay(rateHz: 1e6))
+        let model = CompassModel(compass: Compass(source: source), rateHz: 1e6)
         let views = [view(model), view(model)]
         for run in 1...3 {
             try await source.started(run)
@@ -94,7 +94,7 @@ import Testing
             try await shows(model, sample: 600)
             // nothing to try again yet
             model.retry()
-            source.finish(SensorError.refused(sensor: .magnetometer, reason: "CMErrorDomain 103"))
+            source.finish(CompassError.refused(sensor: .magnetometer, reason: "CMErrorDomain 103"))
             try await eventually { model.error?.mayPass == true }
             #expect(model.headingDeg == nil && model.status == "The magnetometer has stopped.")
             #expect(source.state.value.starts == run)
@@ -105,7 +105,7 @@ import Testing
         for view in views { view.cancel() }
         for view in views { await view.value }
         try await eventually { source.state.value.ends == 4 }
-        #expect(!CompassError.library(.closed).mayPass && !CompassError.sensor(.accessRefused(sensor: .motion)).mayPass)
+        #expect(!CompassError.library(.closed).mayPass && !CompassError.accessRefused(sensor: .motion).mayPass)
     }
 
     @Test func whoWaitsToTryAgainLeavesWhenItsViewDoes() async throws {
@@ -113,7 +113,7 @@ import Testing
         let model = CompassModel(compass: Compass(source: source))
         let running = Task { await model.run() }
         try await source.started(1)
-        source.finish(SensorError.refused(sensor: .magnetometer, reason: "CMErrorDomain 103"))
+        source.finish(CompassError.refused(sensor: .magnetometer, reason: "CMErrorDomain 103"))
         try await eventually { model.error?.mayPass == true }
         running.cancel()
         await running.value
@@ -234,11 +234,14 @@ import Testing
 
     @Test func aPreviewShowsItsStateAndRunsNothing() async {
         let heading = CompassHeading(headingDeg: 42, headingSigmaDeg: 3, trueHeadingDeg: nil, inclinationDeg: 60)
-        let sample = MagneticSample(timeNs: 1, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
-        let state = CompassState(
-            CompensatedReading(reading: MagneticReading(status: .tracking, heading: heading), sample: sample))
-        let model = CompassModel(state: state)
+        let sample = SensorSample.Magnetic(timeNs: 1, fieldUt: DeviceVector(x: 1, y: 2, z: 3))
+        let model = CompassModel(
+            preview: CompensatedReading(reading: MagneticReading(status: .tracking, heading: heading), sample: sample))
         await model.run()
-        #expect(model.headingDeg == 42 && model.headingSigmaDeg == 3 && model.status == "tracking")
+        #expect(model.headingDeg == 42 && model.headingSigmaDeg == 3 && model.status == "tracking" && model.error == nil)
+        let missing = CompassError.missing(sensor: .magnetometer, advice: "")
+        let failed = CompassModel(preview: nil, error: missing)
+        await failed.run()
+        #expect(failed.error == missing && failed.status == "This device has no magnetometer." && failed.headingDeg == nil)
     }
 }

@@ -36,7 +36,7 @@ import Testing
         #expect(compass.latest?.isSilent == true)
         // once, however long it lasts; gyroscope and gravity alone are no samples
         for k in 0..<20 {
-            source.play([.up(UpSample(timeNs: Int64(700 + k) * stepNs, upMS2: DeviceVector(x: 0, y: 0, z: 9.8)))])
+            source.play([.up(SensorSample.Up(timeNs: Int64(700 + k) * stepNs, upMS2: DeviceVector(x: 0, y: 0, z: 9.8)))])
             try await clock.look(1)
         }
         #expect(seen.value.count == 601)
@@ -119,7 +119,7 @@ import Testing
         // attitudes are remembered from the first pose on
         for k in [600, 602] {
             _ = try compass.aid(
-                with: AttitudeSample(timeNs: Int64(k) * stepNs, w: 1, x: 0, y: 0, z: 0, yaw: .relative))
+                with: SensorSample.Attitude(timeNs: Int64(k) * stepNs, w: 1, x: 0, y: 0, z: 0, yaw: .relative))
             source.play(flat(k) + flat(k + 1))
             try await eventually { seen.value.last?.sample.timeNs == Int64(k + 2) * stepNs }
         }
@@ -140,7 +140,7 @@ import Testing
         try await clock.look(5)
         try await eventually { model.headingDeg == nil }
         #expect(model.status == "the magnetometer delivers nothing" && model.error == nil && model.headingSigmaDeg == 180)
-        #expect(model.guidance == nil && model.totalFieldUt == nil)
+        #expect(model.guidance == nil && model.reading?.reading.totalFieldUt == nil)
         source.play((700..<720).flatMap { flat($0) })
         try await eventually { model.headingDeg != nil && model.status != "the magnetometer delivers nothing" }
         running.cancel()

@@ -16,21 +16,21 @@ func withoutSwiftUI() async throws {
     }
 }
 
-func besideTheSystemsOwn(compare: (DeviceVector?, SystemFieldSample?) -> Void) async throws {
-    let source = CoreMotionSource(options: SensorOptions(systemField: true))
+func besideTheSystemsOwn(compare: (DeviceVector?, SensorSample.SystemField?) -> Void) async throws {
+    let source = CoreMotionSource(options: CoreMotionSource.Options(systemField: true))
     for try await answer in Compass(source: source, store: UserDefaultsStore()).readings() {
         compare(answer.reading.fieldUt, answer.systemField)
     }
 }
 #endif
 
-func recordForAReport(_ compass: Compass, _ folder: URL) throws -> CompassRecording {
+func recordForAReport(_ compass: Compass, _ folder: URL) throws -> Compass.Recording {
     // before the first reading: then it plays as it was
     let recording = try compass.record(to: folder.appendingPathComponent("compass.csv"))
     return recording
 }
 
-func share(_ recording: CompassRecording) throws -> [URL] {
+func share(_ recording: Compass.Recording) throws -> [URL] {
     try recording.close()
     return recording.urls
 }
@@ -50,10 +50,11 @@ func placeNorth(_ compass: Compass, place: (SIMD3<Double>) -> Void) {
 }
 
 func onLandmark(_ compass: Compass, bearingDeg: Double) throws {
-    let camera = HeadedAxis.device(axis: DeviceVector(x: 0, y: 0, z: -1))
+    let camera = SensorSample.HeadedAxis.device(axis: DeviceVector(x: 0, y: 0, z: -1))
     try compass.aid(
-        with: HeadingSample(
-            timeNs: HeadingSample.timeNs(of: Date()), headingDeg: bearingDeg, sigmaDeg: 5, reference: .true, axis: camera))
+        with: SensorSample.Heading(
+            timeNs: SensorSample.Heading.timeNs(of: Date()), headingDeg: bearingDeg, sigmaDeg: 5, reference: .true,
+            axis: camera))
 }
 
 #if canImport(CoreLocation)
@@ -72,7 +73,9 @@ func onFix(_ compass: Compass, _ fix: CLLocation) throws {
 import UIKit
 
 @MainActor func onTurn(_ compass: Compass, _ scene: UIWindowScene) {
-    if let rotation = ScreenRotation(scene.effectiveGeometry.interfaceOrientation) { compass.screenRotation = rotation }
+    if let rotation = HeadingFrame.ScreenRotation(scene.effectiveGeometry.interfaceOrientation) {
+        compass.screenRotation = rotation
+    }
 }
 #endif
 
@@ -141,7 +144,7 @@ final class CameraHelp: NSObject, ARSessionDelegate {
         let task = reader(compass, seen)
         try await source.started(1)
         let timeNs = Int64(ProcessInfo.processInfo.systemUptime * 1e9)
-        source.play([.magnetic(MagneticSample(timeNs: timeNs, fieldUt: DeviceVector(x: 1, y: 2, z: 3)))])
+        source.play([.magnetic(SensorSample.Magnetic(timeNs: timeNs, fieldUt: DeviceVector(x: 1, y: 2, z: 3)))])
         try await eventually { seen.value.count == 1 }
         try body()
         task.cancel()

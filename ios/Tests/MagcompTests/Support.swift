@@ -55,8 +55,8 @@ func tumbling(_ samples: Int) -> [SensorSample] {
         let up = DeviceVector(
             x: 9.81 * (-0.8 * x - 0.6 * sin(a)), y: 9.81 * (-0.8 * y + 0.6 * cos(a)), z: -9.81 * 0.8 * z)
         return [
-            .up(UpSample(timeNs: timeNs, upMS2: up)),
-            .magnetic(MagneticSample(timeNs: timeNs, fieldUt: field)),
+            .up(SensorSample.Up(timeNs: timeNs, upMS2: up)),
+            .magnetic(SensorSample.Magnetic(timeNs: timeNs, fieldUt: field)),
         ]
     }
 }
@@ -66,8 +66,8 @@ func flat(_ k: Int) -> [SensorSample] {
     let timeNs = Int64(k + 1) * stepNs
     let field = DeviceVector(x: hardIronUt.x + 10, y: hardIronUt.y + 28, z: hardIronUt.z - 40)
     return [
-        .up(UpSample(timeNs: timeNs, upMS2: DeviceVector(x: 0, y: 0, z: 9.81))),
-        .magnetic(MagneticSample(timeNs: timeNs, fieldUt: field)),
+        .up(SensorSample.Up(timeNs: timeNs, upMS2: DeviceVector(x: 0, y: 0, z: 9.81))),
+        .magnetic(SensorSample.Magnetic(timeNs: timeNs, fieldUt: field)),
     ]
 }
 
@@ -191,9 +191,9 @@ extension AsyncSequence where Self: Sendable, Element == SensorSample {
     /// Readings of an estimator of their own, for each iterator.
     func compensated(
         _ config: CompensationConfig = CompensationConfig(), store: (any CalibrationStore)? = nil, capacity: Int = 64
-    ) -> CompensatedReadings {
+    ) -> Compass.Readings {
         let events = (self as? SensorSamples) ?? SensorSamples { self }
-        return CompensatedReadings {
+        return Compass.Readings {
             let frames = Locked(HeadingFrame(axis: config.heading?.axis ?? .auto, screenRotation: .deg0))
             return Readers(
                 of: { events }, by: Estimation(config, store: store, frames: frames), graceS: 0, clock: StandingClock()
@@ -343,7 +343,7 @@ import CoreMotion
 extension CoreMotionSource {
     /// With a manager that the test goes on to script, which an app can't: the stand-in has a lock.
     convenience init(
-        options: SensorOptions = SensorOptions(), scripted: CMMotionManager,
+        options: CoreMotionSource.Options = CoreMotionSource.Options(), scripted: CMMotionManager,
         continuousNs: (@Sendable () -> Int64)? = nil
     ) {
         nonisolated(unsafe) let manager = scripted
@@ -368,7 +368,9 @@ extension OverCoreMotion {
     }
 
     /// The first samples while `play` runs, once updates are on.
-    func samples(_ count: Int, _ options: SensorOptions = SensorOptions(), play: () -> Void) async throws -> [SensorSample] {
+    func samples(_ count: Int, _ options: CoreMotionSource.Options = CoreMotionSource.Options(), play: () -> Void)
+        async throws -> [SensorSample]
+    {
         var samples: [SensorSample] = []
         var iterator = CoreMotionSource(options: options, scripted: manager).samples().makeAsyncIterator()
         iterator.start()

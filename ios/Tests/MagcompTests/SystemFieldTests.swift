@@ -5,7 +5,7 @@ import Testing
 /// The system's own field beside the raw one: a first hard iron, where there is no better.
 @Suite(.longest) struct SystemFieldTests {
     /// A phone that lies flat, beside what the system makes of it: its hard iron is 2 uT off in every axis.
-    func lying(_ accuracy: SystemFieldSample.Accuracy, samples: Int = 20) -> [SensorSample] {
+    func lying(_ accuracy: SensorSample.SystemField.Accuracy, samples: Int = 20) -> [SensorSample] {
         (1...samples).flatMap { k -> [SensorSample] in
             let timeNs = Int64(k) * stepNs
             let noise = 0.2 * Double((k * 7) % 5 - 2)
@@ -13,16 +13,16 @@ import Testing
             let system = DeviceVector(
                 x: raw.x - hardIronUt.x - 2, y: raw.y - hardIronUt.y + 2, z: raw.z - hardIronUt.z - 2)
             return [
-                .up(UpSample(timeNs: timeNs, upMS2: DeviceVector(x: 0, y: 0, z: 9.81))),
-                .systemField(SystemFieldSample(timeNs: timeNs, fieldUt: system, accuracy: accuracy)),
-                .magnetic(MagneticSample(timeNs: timeNs, fieldUt: raw)),
+                .up(SensorSample.Up(timeNs: timeNs, upMS2: DeviceVector(x: 0, y: 0, z: 9.81))),
+                .systemField(SensorSample.SystemField(timeNs: timeNs, fieldUt: system, accuracy: accuracy)),
+                .magnetic(SensorSample.Magnetic(timeNs: timeNs, fieldUt: raw)),
             ]
         }
     }
 
     @Test func theSystemsHardIronGivesAHeadingAtOnce() async throws {
         let trueDeg = atan2(-10, 28.0) * 180 / Double.pi
-        for accuracy in [SystemFieldSample.Accuracy.high, .medium, .low] {
+        for accuracy in [SensorSample.SystemField.Accuracy.high, .medium, .low] {
             let readings = try await Compass(source: Played(events: lying(accuracy))).readings().collected()
             let first = try #require(readings.first?.reading.heading, "\(accuracy)")
             let sigma = try #require(first.headingSigmaDeg)
@@ -37,7 +37,7 @@ import Testing
         // the system knows nothing, or its field is of another time
         var old = lying(.high)
         old[1] = .systemField(
-            SystemFieldSample(timeNs: -5 * stepNs, fieldUt: DeviceVector(x: 10, y: 28, z: -40), accuracy: .high))
+            SensorSample.SystemField(timeNs: -5 * stepNs, fieldUt: DeviceVector(x: 10, y: 28, z: -40), accuracy: .high))
         for events in [lying(.uncalibrated), Array(old[..<3])] {
             let readings = try await Compass(source: Played(events: events)).readings().collected()
             #expect(readings.allSatisfy { $0.reading.heading == nil && $0.reading.status.label == "collecting" })
@@ -48,13 +48,13 @@ import Testing
     @Test func theSystemsFieldBelongsToASampleWithinItsOwnPeriod() async throws {
         func system(_ ms: Int64) -> SensorSample {
             let field = DeviceVector(x: 10, y: 28, z: -40)
-            return .systemField(SystemFieldSample(timeNs: ms * 1_000_000, fieldUt: field, accuracy: .high))
+            return .systemField(SensorSample.SystemField(timeNs: ms * 1_000_000, fieldUt: field, accuracy: .high))
         }
         func sample(_ ms: Int64) -> [SensorSample] {
             let raw = DeviceVector(x: hardIronUt.x + 10, y: hardIronUt.y + 28, z: hardIronUt.z - 40)
             return [
-                .up(UpSample(timeNs: ms * 1_000_000, upMS2: DeviceVector(x: 0, y: 0, z: 9.81))),
-                .magnetic(MagneticSample(timeNs: ms * 1_000_000, fieldUt: raw)),
+                .up(SensorSample.Up(timeNs: ms * 1_000_000, upMS2: DeviceVector(x: 0, y: 0, z: 9.81))),
+                .magnetic(SensorSample.Magnetic(timeNs: ms * 1_000_000, fieldUt: raw)),
             ]
         }
         func isBeside(_ events: [SensorSample]) async throws -> Bool {

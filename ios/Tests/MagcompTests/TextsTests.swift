@@ -18,14 +18,14 @@ struct TextsTests {
         func real() -> Double { .random(in: -3000...3000, using: &random) }
         func whole() -> Int { .random(in: 0...10_000, using: &random) }
         let axes = [1, 2, 3].shuffled(using: &random).map { (axis: Int) in Bool.random(using: &random) ? axis : -axis }
-        let problems: [FitProblem] = [
+        let problems: [CompensationStatus.FitProblem] = [
             .tooFewSamples(have: whole()), .planar(thicknessUt: real()),
             .poorCoverage(directionSigmaDeg: real(), limitDeg: real()),
             .inconsistent(residualUt: real(), limitUt: real()), .notAnEllipsoid,
             .fieldOutOfRange(fieldUt: real(), lowUt: real(), highUt: real()), .notFinite,
         ]
-        let held: [HoldReason] = [.lowUniformity, .constant, .atRest, .tooLittleRotation, .noGyroscope]
-        let rejected: [RejectReason] = [
+        let held: [CompensationStatus.HoldReason] = [.lowUniformity, .constant, .atRest, .tooLittleRotation, .noGyroscope]
+        let rejected: [CompensationStatus.RejectReason] = [
             .notFinite, .outOfRange(valueUt: real(), limitUt: real()),
             .saturated(axis: [.x, .y, .z].randomElement(using: &random)!, valueUt: real(), railUt: real()),
             .timeNotAfter(timeNs: .random(in: .min ... .max), latestNs: .random(in: .min ... .max)),
@@ -57,7 +57,7 @@ struct TextsTests {
         ]
         let real: [CompensationStatus] = [Double.nan, .infinity, -.infinity, 1e300, -0.0].flatMap {
             value -> [CompensationStatus] in
-            let problems: [FitProblem] = [
+            let problems: [CompensationStatus.FitProblem] = [
                 .planar(thicknessUt: value), .poorCoverage(directionSigmaDeg: value, limitDeg: value),
                 .inconsistent(residualUt: value, limitUt: value),
                 .fieldOutOfRange(fieldUt: value, lowUt: value, highUt: value),
@@ -84,7 +84,7 @@ struct TextsTests {
 
     @Test func events() throws {
         let facts: Facts = try vectors("facts.json")
-        let kinds: [String: FieldEventKind] = [
+        let kinds: [String: FieldEvent.Kind] = [
             "DeviceStep": .deviceStep, "DeviceStepBack": .deviceStepBack, "PlaceChanged": .placeChanged,
         ]
         #expect(Set(facts.events.map(\.kind)) == Set(kinds.keys))

@@ -18,12 +18,12 @@ import simd
     }
 
     /// The pose of a device in a world whose y axis points by `worldDeg` clockwise from north.
-    func pose(_ timeNs: Int64, yawDeg: Double, worldDeg: Double) -> AttitudeSample {
+    func pose(_ timeNs: Int64, yawDeg: Double, worldDeg: Double) -> SensorSample.Attitude {
         let q = attitude(yawDeg: yawDeg + worldDeg)
-        return AttitudeSample(timeNs: timeNs, w: q.w, x: q.x, y: q.y, z: q.z, yaw: .relative)
+        return SensorSample.Attitude(timeNs: timeNs, w: q.w, x: q.x, y: q.y, z: q.z, yaw: .relative)
     }
 
-    func isClose(_ north: WorldNorth?, _ headingDeg: Double, within: Double = 1e-6) -> Bool {
+    func isClose(_ north: Compass.WorldNorth?, _ headingDeg: Double, within: Double = 1e-6) -> Bool {
         north.map { abs(($0.headingDeg - headingDeg).remainder(dividingBy: 360)) < within } ?? false
     }
 
@@ -121,6 +121,12 @@ import simd
         #expect(true_.reference == .true && isClose(true_, north.headingDeg + 20))
         // north is to the right of the top edge, which is -z; x is to the right
         #expect(north.direction.x > 0.2 && north.direction.z < -0.8 && north.direction.y == 0)
+        // one that is no pose changes nothing
+        let none = SensorSample.Attitude(timeNs: last.sample.timeNs + 1, w: 0, x: 0, y: 0, z: 0, yaw: .relative)
+        #expect(throws: MagcompError.eventRejected(reason: .outOfRange)) { try compass.aid(with: none) }
+        source.play(flat(921))
+        try await eventually { seen.value.count == 922 }
+        #expect(compass.arWorldNorth == true_)
         compass.reset()
         #expect(compass.arWorldNorth == nil)
         task.cancel()

@@ -93,7 +93,8 @@ pub fn files(root: &Path) -> Result<Vec<File>, String> {
     let mut made = texts::files(&all, &codes_of_languages);
     // the page is empty before the first time
     let page = content(root, "bindings/codes.txt").unwrap_or_default();
-    let renamed = renamed(root)?;
+    let renamed = names(root, &["bindings", "kotlin", "rename"])?;
+    let nested = names(root, &["swift", "nested"])?;
     let config::Settings { choices, groups: settings, members } =
         config::read(&content(root, "bindings/config.toml")?, &renamed)?;
     made.push(("bindings/codes.txt".to_owned(), codes::updated(&page, &[&enums[..], &choices].concat())?));
@@ -107,6 +108,7 @@ pub fn files(root: &Path) -> Result<Vec<File>, String> {
     environment.set_syntax(syntax.expect("the usual delimiters"));
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment.set_auto_escape_callback(|_| AutoEscape::None);
+    environment.add_filter("swift", move |name: String| nested.get(&name).cloned().unwrap_or(name));
     let rendered = |template: &str| -> Result<String, String> {
         let source = content(root, &format!("bindings/templates/{template}"))?;
         environment
@@ -136,13 +138,12 @@ fn with_part(page: &str, name: &str, part: &str) -> Result<String, String> {
     Ok(format!("{before}{begins}{part}<!-- end -->\n{after}"))
 }
 
-/// Names that uniffi gives in Kotlin and Swift; the two have the same.
-fn renamed(root: &Path) -> Result<BTreeMap<String, String>, String> {
+/// Names that uniffi gives in Kotlin and Swift, which have the same, or where Swift puts some of these: a table of uniffi's settings.
+fn names(root: &Path, table: &[&str]) -> Result<BTreeMap<String, String>, String> {
     let path = "rust/magcomp-ffi/uniffi.toml";
     let settings: toml::Table = content(root, path)?.parse().map_err(|error| format!("{path}: {error}"))?;
-    let names = settings.get("bindings").and_then(|it| it.get("kotlin")).and_then(|it| it.get("rename"));
-    let names =
-        names.and_then(toml::Value::as_table).ok_or_else(|| format!("{path} has no [bindings.kotlin.rename]"))?;
+    let found = table.iter().try_fold(&settings, |found, name| found.get(*name)?.as_table());
+    let names = found.ok_or_else(|| format!("{path} has no [{}]", table.join(".")))?;
     Ok(names.iter().filter_map(|(name, to)| Some((name.clone(), to.as_str()?.to_owned()))).collect())
 }
 

@@ -18,6 +18,9 @@ enum {
     MAGCOMP_NO_ROOM = -3,
 };
 
+/// Directions that are told apart.
+enum { MAGCOMP_DIRECTIONS = 48 };
+
 /// What the compensator is doing: the codes of bindings/status.toml. `kind` is one of `Status`, `reason` one of the enum it carries, `problem` one of
 /// `FitProblem` where `reason` carries it. -1: none.
 /// Whole numbers and reals are the case's fields, in order; an axis is a whole number, 0 to 2, and three axes are reals.
@@ -75,3 +78,7 @@ int32_t magcomp_push_rotation_rate(int64_t handle, int64_t time_ns, double x, do
 
 /// An accelerometer or gravity event, m/s^2, pointing up. Answers as above.
 int32_t magcomp_push_up(int64_t handle, int64_t time_ns, double x, double y, double z);
+
+/// Where the field has not pointed yet: unit vectors in the device frame, their components one after another, into `out`, which holds three times
+/// MAGCOMP_DIRECTIONS. Answers how many vectors.
+int32_t magcomp_unseen_directions(int64_t handle, double *_Nullable out);

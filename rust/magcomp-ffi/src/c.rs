@@ -9,7 +9,7 @@
 use crate::compensator::find;
 use crate::flat::{self, ACCEPTED, CLOSED};
 use crate::reading::FlatReading;
-use crate::record::Vector3;
+use crate::record::{Coverage, Vector3};
 
 const NO_ROOM: i32 = -3;
 
@@ -48,6 +48,22 @@ pub extern "C" fn magcomp_push_rotation_rate(handle: i64, time_ns: i64, x: f64, 
 #[unsafe(no_mangle)]
 pub extern "C" fn magcomp_push_up(handle: i64, time_ns: i64, x: f64, y: f64, z: f64) -> i32 {
     find(handle).map_or(CLOSED, |to| flat::push_up(&to, time_ns, Vector3 { x, y, z }))
+}
+
+/// Where the field has not pointed yet, three numbers each; how many directions these are.
+#[unsafe(no_mangle)]
+pub extern "C" fn magcomp_unseen_directions(handle: i64, out: Option<&mut [f64; 3 * magcomp::CELLS]>) -> i32 {
+    let Some(compensator) = find(handle) else { return CLOSED };
+    let Some(out) = out else { return NO_ROOM };
+    match compensator.coverage() {
+        Ok(Coverage { unseen_directions, .. }) => {
+            for (place, v) in out.as_chunks_mut().0.iter_mut().zip(&unseen_directions) {
+                *place = [v.x, v.y, v.z];
+            }
+            unseen_directions.len() as i32
+        }
+        Err(error) => flat::code_of(&error),
+    }
 }
 
 /// For tests alone; see the feature in Cargo.toml. `include/magcomp_test_hooks.h` declares them.

@@ -7,9 +7,7 @@ struct CompassView: View {
     var body: some View {
         VStack {
             CompassRose(headingDeg: model.headingDeg, sigmaDeg: model.headingSigmaDeg)
-            CompassAdvice(
-                status: model.status, guidance: model.guidance, isDisturbed: model.isDisturbed, error: model.error,
-                retry: model.retry)
+            CompassAdvice(model)
         }
         .compassScreen(model.compass)
         .task { await model.run() }

@@ -1,15 +1,15 @@
 import Foundation
 
-/// The phone's sensors can't be used as asked. Its `localizedDescription` is for people, in the app's language; ``developerText`` says what
-/// the app can do.
-public enum SensorError: Error, Equatable, Sendable {
+/// Why a compass has no readings. Its `localizedDescription` and `recoverySuggestion` are for people, in the app's language;
+/// ``developerText`` says what the app can do.
+public enum CompassError: Error, Equatable, Sendable {
     /// A sensor, or what iOS makes of several; in English.
     public enum Sensor: String, CaseIterable, Sendable {
         case magnetometer
         case gyroscope
         case calibratedField = "calibrated magnetic field"
         case motion = "motion sensors"
-        /// For courses (``SensorError/refusal(of:)``): it is not asked for the compass itself.
+        /// For courses (``CompassError/refusal(of:)``): it is not asked for the compass itself.
         case location = "phone's location"
         /// Without it a fix has no course.
         case preciseLocation = "phone's precise location"
@@ -29,6 +29,26 @@ public enum SensorError: Error, Equatable, Sendable {
     case accessRefused(sensor: Sensor)
     /// The system stopped delivering a sensor's events, for the reason it gave.
     case refused(sensor: Sensor, reason: String)
+    /// The library: a setting out of range, or a defect.
+    case library(MagcompError)
+    /// The app's own source: its error's description.
+    case source(String)
+
+    init(_ error: any Error) {
+        self =
+            switch error {
+            case let error as CompassError: error
+            case let error as MagcompError: .library(error)
+            default: .source(error.localizedDescription)
+            }
+    }
+
+    /// Whether the person can mend it in the system's settings: `CompassAdvice` shows a button to them then, or an app its own, to
+    /// `UIApplication.openSettingsURLString`.
+    public var isMendedInSettings: Bool { if case .accessRefused = self { true } else { false } }
+
+    /// Whether it may pass by itself, so that trying again is worth it: ``CompassModel/retry()``.
+    public var mayPass: Bool { if case .refused = self { true } else { false } }
 
     /// What an app can do, in English, for a log.
     public var developerText: String {
@@ -39,22 +59,26 @@ public enum SensorError: Error, Equatable, Sendable {
                 + (sensor.permission == .motion ? "Motion & Fitness" : "Location Services")
         case .refused(let sensor, let reason):
             "the system refused to deliver the \(sensor.rawValue) (\(reason)); iterate again to try again"
+        case .library(let error): error.localizedDescription
+        case .source(let description): description
         }
     }
 }
 
-extension SensorError: LocalizedError {
+extension CompassError: LocalizedError {
     public var errorDescription: String? {
         switch self {
         case .missing(let sensor, _): say("ios_error_missing", sensor.localizedName)
         case .accessRefused(let sensor): say("ios_error_access_refused", sensor.permission.localizedName)
         case .refused(let sensor, _): say("ios_error_refused", sensor.localizedName)
+        case .library: say("ios_error_library")
+        case .source(let description): description
         }
     }
 
     public var recoverySuggestion: String? {
         switch self {
-        case .missing: nil
+        case .missing, .library, .source: nil
         case .accessRefused(let sensor):
             switch sensor.permission {
             case .location: say("ios_recovery_location")
@@ -66,66 +90,13 @@ extension SensorError: LocalizedError {
     }
 }
 
-/// Why a compass has no readings. Its `localizedDescription` and `recoverySuggestion` are for people, in the app's language.
-public enum CompassError: Error, Equatable, Sendable {
-    /// The phone's sensors.
-    case sensor(SensorError)
-    /// The library: a setting out of range, or a defect.
-    case library(MagcompError)
-    /// The app's own source: its error's description.
-    case source(String)
-
-    init(_ error: any Error) {
-        self =
-            switch error {
-            case let error as SensorError: .sensor(error)
-            case let error as MagcompError: .library(error)
-            default: .source(error.localizedDescription)
-            }
-    }
-
-    /// Whether the person can mend it in the system's settings: `CompassAdvice` shows a button to them then, or an app its own, to
-    /// `UIApplication.openSettingsURLString`.
-    public var isMendedInSettings: Bool {
-        if case .sensor(.accessRefused) = self { true } else { false }
-    }
-
-    /// Whether it may pass by itself, so that trying again is worth it: ``CompassModel/retry()``.
-    public var mayPass: Bool {
-        if case .sensor(.refused) = self { true } else { false }
-    }
-
-    /// What an app can do, in English, for a log.
-    public var developerText: String {
-        switch self {
-        case .sensor(let error): error.developerText
-        case .library(let error): error.localizedDescription
-        case .source(let description): description
-        }
-    }
-}
-
-extension CompassError: LocalizedError {
-    public var errorDescription: String? {
-        switch self {
-        case .sensor(let error): error.errorDescription
-        case .library: say("ios_error_library")
-        case .source(let description): description
-        }
-    }
-
-    public var recoverySuggestion: String? {
-        if case .sensor(let error) = self { error.recoverySuggestion } else { nil }
-    }
-}
-
 #if canImport(CoreLocation)
 import CoreLocation
 
-extension SensorError {
+extension CompassError {
     /// Why the fixes of this manager have no course for `Compass.aid`: the person or a profile has refused the phone's location, or
     /// allows a coarse one alone, which has none. Nil while courses may come, and before the person was asked.
-    public static func refusal(of manager: CLLocationManager) -> SensorError? {
+    public static func refusal(of manager: CLLocationManager) -> CompassError? {
         switch manager.authorizationStatus {
         // only who was asked can have allowed a coarse one
         case .notDetermined: nil
