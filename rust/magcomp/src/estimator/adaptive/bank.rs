@@ -183,6 +183,7 @@ impl Bank {
     }
 
     /// Changes that begin with this frame. One that surprises may be of any kind; without surprise a change is a small one, and sudden.
+    #[inline(never)]
     fn spawn(&mut self, place: usize, frame: &Frame, surprised: bool, seconds: f64, tuning: &Tuning) {
         let parent = &self.all[place];
         let (moves, likely) = (parent.moves, parent.log_joint());
@@ -218,6 +219,7 @@ impl Bank {
     }
 
     /// Steps of b and M of each size, sudden ones and such as take a while.
+    #[inline(never)]
     fn spawn_device_steps(
         &mut self,
         parent: &Parent,
@@ -263,6 +265,7 @@ impl Bank {
     }
 
     /// Starts on the other side of the best hypothesis' samples.
+    #[inline(never)]
     fn twins(&mut self, tuning: &Tuning) {
         let Some(mut twin) = self.best().cloned() else { return };
         let n = twin.length(&self.frames).max(1) as f64;

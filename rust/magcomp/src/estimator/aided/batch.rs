@@ -115,15 +115,20 @@ pub(super) fn fit(groups: &Groups, prior: &Prior, from: Vector) -> Option<(Norma
 fn normal(groups: &Groups, prior: &Prior, x: &Vector) -> Normal {
     let off = x - prior.mean;
     let pull = prior.precision * off;
-    let mut it = Normal { x: *x, cost: off.dot(&pull), curvature: prior.precision, slope: -pull, ..Normal::default() };
+    let mut it = Normal { x: *x, cost: off.dot(&pull), slope: -pull, ..Normal::default() };
+    it.curvature.copy_from(&prior.precision);
     let x = parts(x);
     for mean in groups.means(&x) {
         let v = prior.variance(&mean);
         let (j, residual) = model(&x, &mean);
         let size = residual.norm_squared();
         it.cost += size / v;
-        it.curvature += j.transpose() * j / v;
-        it.slope += j.transpose() * residual / v;
+        // column by column: the product of all takes much of the stack
+        let to = j.transpose();
+        for (mut column, of) in it.curvature.column_iter_mut().zip(j.column_iter()) {
+            column += to * of / v;
+        }
+        it.slope += to * residual / v;
         it.residual_ut2 += size;
         it.groups += 1.0;
         it.count += mean.count;
