@@ -106,7 +106,10 @@ impl ByGyroscope {
             }
             Own::Aided(aided) => {
                 self.given = given;
-                aided.restart(given);
+                // a filter waits for the gyroscope, and is the less sure the longer
+                if is_refuted || !aided.has_learned() {
+                    aided.restart(given);
+                }
             }
             Own::Adaptive(_) => {}
         }
