@@ -3535,7 +3535,7 @@ fileprivate func FfiConverterTypeCollectingReason_lower(_ value: CollectingReaso
      */
     case auto
     /**
-     * The same as `Auto`.
+     * As `Auto` in far less memory: without a usable gyroscope it keeps its calibration, and learns nothing.
      */
     case aided
     /**
@@ -4638,7 +4638,7 @@ public enum HoldReason: Equatable, Hashable, Codable {
      */
     case tooLittleRotation
     /**
-     * The gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second.
+     * The gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second, but with method `Aided`, which waits.
      */
     case noGyroscope
 

@@ -95,11 +95,11 @@ pub(crate) struct Descent<P> {
 /// Descends from a place until `is_last` says so of a step.
 pub(crate) fn descend<const N: usize, C: Cost<N>>(
     cost: &C,
-    from: C::Place,
+    mut place: C::Place,
     limits: Limits,
     mut is_last: impl FnMut(&Step) -> bool,
 ) -> Descent<C::Place> {
-    let (mut place, mut damping) = (from, 0.0);
+    let mut damping = 0.0;
     for iteration in 1..=limits.iterations {
         let Some(step) = one_step(cost, &mut place, damping, limits.dampings) else {
             return Descent { place, iterations: iteration, termination: Termination::Stalled };

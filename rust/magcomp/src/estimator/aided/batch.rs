@@ -13,7 +13,7 @@ use super::groups::{Groups, Seen};
 use super::measure::Model;
 use super::state::{AXES, BIAS, CALIBRATION, DELAY, FIELD, HARD_IRON, LOCAL, Parts, SOFT_IRON};
 use crate::calibration::iron_rows;
-use crate::math::descend::{Cost, Derivatives, Descent, Limits, Termination, descend};
+use crate::math::descend::{Cost, Derivatives, Descent, Limits, descend};
 
 /// Length of x = (h, b, e, g, tau, s): the state without d.
 pub(super) const UNKNOWNS: usize = LOCAL.start();
@@ -104,11 +104,10 @@ impl Cost<UNKNOWNS> for Batch<'_> {
     }
 }
 
-/// Descends from a guess of x. Returns the place, and whether it has converged.
-pub(super) fn fit(groups: &Groups, prior: &Prior, from: Vector) -> Option<(Normal, bool)> {
+/// Descends from a guess of x. Returns the place, and why it ended there.
+pub(super) fn fit(groups: &Groups, prior: &Prior, from: Vector) -> Option<Descent<Normal>> {
     let batch = Batch { groups, prior };
-    let Descent { place, termination, .. } = descend(&batch, batch.place(from)?, LIMITS, |step| step.gain < CONVERGED);
-    Some((place, termination != Termination::MaxIterations))
+    Some(descend(&batch, batch.place(from)?, LIMITS, |step| step.gain < CONVERGED))
 }
 
 /// The cost at x with its derivatives.

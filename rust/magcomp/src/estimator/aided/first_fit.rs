@@ -22,6 +22,7 @@ use super::step::{Known, Step};
 use super::tuning::Tuning;
 use crate::ellipsoid::FitError;
 use crate::level::Level;
+use crate::math::descend::{Descent, Termination};
 use crate::math::gaussian::Gaussian;
 use crate::priors::{BEYOND_CHANCE, LARGEST_UT, SHOWN_RAD2};
 use crate::reading::Missing;
@@ -164,13 +165,11 @@ impl FirstFit {
     fn fit(&mut self, noise_ut2: f64, up: Option<&Vector3<f64>>, tuning: &Tuning) {
         self.answer = None;
         let prior = self.prior(self.given.as_ref(), noise_ut2, tuning);
-        let Some((normal, has_converged)) = fit(&self.groups, &prior, self.x) else {
-            self.x = prior.mean;
-            return;
-        };
-        self.x = normal.x;
-        self.find(&normal, &prior, has_converged, tuning);
-        if !self.counts(&normal, &prior, up, tuning).unwrap_or(false) {
+        let fitted = fit(&self.groups, &prior, self.x);
+        self.x = fitted.as_ref().map_or(prior.mean, |it| it.place.x);
+        let Some(Descent { place, termination, .. }) = &fitted else { return };
+        self.find(place, &prior, *termination != Termination::MaxIterations, tuning);
+        if !self.counts(place, &prior, up, tuning).unwrap_or(false) {
             self.answer = None;
         }
     }
