@@ -110,7 +110,7 @@ FLOORS = {
         "first_fit": "batch groups state step tuning",
         "probation": "running state step tuning watch",
         "quarantine": "propagate state step tuning turned",
-        "phase": "events first_fit running state watch",
+        "phase": "events first_fit quarantine running state tuning watch",
     },
     "rust/magcomp/src/estimator/adaptive/mod.rs": {
         "tuning": "",

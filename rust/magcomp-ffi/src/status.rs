@@ -72,7 +72,7 @@ pub enum HoldReason {
     AtRest,
     /// The device was hardly turned of late.
     TooLittleRotation,
-    /// The gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second.
+    /// The gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second, but with method `Aided`, which waits.
     NoGyroscope,
 }
 

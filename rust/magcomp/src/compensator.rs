@@ -14,8 +14,8 @@ mod tuning;
 mod tunings;
 
 use crate::calibration::Calibration;
-use crate::config::{Config, HeadingConfig, Method};
-use crate::coverage::{Coverage, Guidance};
+use crate::config::{Config, HeadingConfig, Method, WindowedConfig};
+use crate::coverage::{Coverage, FEWEST_KEPT, Guidance};
 use crate::ellipsoid::EllipsoidFit;
 use crate::estimator::Estimator;
 use crate::estimator::answer::{Answer, Counted};
@@ -28,7 +28,6 @@ use crate::sensing::pairing::{EventRejection, InertialPairing, PairedInertial};
 use crate::sensing::stand_in::StandIn;
 use crate::sensing::tilt::Tilt;
 use crate::sensing::witnesses::{Testimony, Witnesses};
-use alloc::boxed::Box;
 use belief::Belief;
 use check::Stream;
 use nalgebra::{SMatrix, Vector3};
@@ -68,7 +67,7 @@ pub use tunings::Tunings;
 pub struct Compensator {
     config: Config,
     tuning: Tuning,
-    estimator: Box<Estimator>,
+    estimator: Estimator,
     guidance: Guidance,
     state: State,
 }
@@ -104,10 +103,12 @@ impl Compensator {
     #[doc(hidden)]
     pub fn tuned(config: Config, tunings: Tunings) -> Result<Self, ConfigError> {
         config.validate()?;
+        let WindowedConfig { n_max, .. } = config.windowed;
+        let kept = if config.method == Method::Aided { n_max.min(FEWEST_KEPT) } else { n_max };
         let mut it = Self {
-            estimator: Box::new(tunings.estimator(&config)),
+            estimator: tunings.estimator(&config),
             tuning: tunings.compensator,
-            guidance: Guidance::new(config.windowed.n_max, config.field_strength_ut),
+            guidance: Guidance::new(kept, config.field_strength_ut),
             state: State { witnesses: Witnesses::new(tunings.witnesses), ..State::default() },
             config,
         };
@@ -205,19 +206,17 @@ impl Compensator {
         self.state.stream.check(sample, self.config.range_ut, self.config.rail_ut, &self.tuning, is_told)
     }
 
-    /// The estimator that the sensors allow takes over, from the calibration in force; whether that is the aided one.
+    /// The estimator that the sensors allow takes over, from the calibration in force; whether the rotation is of no use to it.
     fn hand_over(&mut self, time_ns: i64, previous_ns: Option<i64>, testimony: &Testimony) -> bool {
         let State { presence, belief, .. } = &self.state;
         let (Some(is_there), Estimator::ByGyroscope(own)) =
-            (presence.is_there(time_ns, previous_ns), &mut *self.estimator)
+            (presence.is_there(time_ns, previous_ns), &mut self.estimator)
         else {
             return false;
         };
         let is_there = is_there && !testimony.is_gyroscope_dead;
         let is_contradicted = testimony.is_gyroscope_contradicted;
-        matches!(self.config.method, Method::Auto | Method::Aided)
-            && own.follow_gyroscope(is_there, is_contradicted, |given| belief.no_surer_than_usual(given))
-            && is_there
+        own.follow_gyroscope(is_there, is_contradicted, |given| belief.no_surer_than_usual(given))
     }
 
     /// What the other sensors say with a sample, and what the three say of each other.
@@ -249,7 +248,7 @@ impl Compensator {
 
     /// What the estimator knows of the gyroscope tells the pairing.
     fn note_gyroscope(&mut self) {
-        if let Estimator::ByGyroscope(own) = &*self.estimator
+        if let Estimator::ByGyroscope(own) = &self.estimator
             && let Some((bias_rad_s, scale)) = own.gyroscope()
         {
             self.state.pairing.assume(bias_rad_s, scale.diagonal());
@@ -259,7 +258,7 @@ impl Compensator {
     /// Whether a gyroscope can carry on what is known to this time.
     fn can_carry(&self, time_ns: i64) -> bool {
         matches!(self.config.method, Method::Auto | Method::Aided)
-            && (matches!(&*self.estimator, Estimator::ByGyroscope(own) if own.carries()) || self.state.pairing.turns())
+            && (matches!(&self.estimator, Estimator::ByGyroscope(own) if own.carries()) || self.state.pairing.turns())
             && self.state.stream.check_time(time_ns).is_ok()
     }
 
