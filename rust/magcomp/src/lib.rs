@@ -134,7 +134,7 @@ pub use explanation::{
     ChangeHypothesis, ChangeKind, EXPLAINED_HYPOTHESES, Estimator, EstimatorPhase, Explanation, InnovationTest,
     NoiseLevels, OutsideTest, SampleUse,
 };
-pub use heading::{Heading, heading, heading_sigma_deg, true_heading_deg};
+pub use heading::{Heading, Pointing, heading, heading_sigma_deg, true_heading_deg};
 pub use kept::{CalibrationSource, KEPT_VERSION, KeptCalibration, KeptError};
 pub use range::ConfigError;
 pub use reading::{Event, Reading};
