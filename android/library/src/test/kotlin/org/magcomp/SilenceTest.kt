@@ -30,6 +30,7 @@ class SilenceTest {
         val samples = CopyOnWriteArrayList<SensorSample>()
         val job = CoroutineScope(Dispatchers.Unconfined).launch { source.samples().collect { samples += it } }
         sensors.registered(registered)
+        withTimeout(120_000) { while (source.sensors.value == null) yield() }
         body()
         job.cancelAndJoin()
         assertEquals(0, sensors.registrations.size)
