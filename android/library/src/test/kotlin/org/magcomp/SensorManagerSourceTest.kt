@@ -433,7 +433,7 @@ class SensorManagerSourceTest {
     ): List<SensorSample> = kotlinx.coroutines.coroutineScope {
         val samples = mutableListOf<SensorSample>()
         val job = launch { source.samples().take(count).toList(samples) }
-        sensors.registered(1)
+        withTimeout(120_000) { while (source.sensors.value == null && job.isActive) yield() }
         play()
         withTimeout(120_000) { job.join() }
         samples
