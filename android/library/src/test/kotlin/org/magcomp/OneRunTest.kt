@@ -159,6 +159,42 @@ class OneRunTest {
         assertEquals(0, sensors.registrations.size)
     }
 
+    /** As an app filters the phone's events. */
+    private class Shifted(private val of: MagneticFieldSource) : MagneticFieldSource by of {
+        val threads = CopyOnWriteArrayList<Thread>()
+
+        override suspend fun deliver(taker: EventTaker) = of.deliver(object : EventTaker by taker {
+            override fun take(event: RawEvent) {
+                threads += Thread.currentThread()
+                taker.take(event.copy().apply { x += 5 })
+            }
+        })
+    }
+
+    @Test
+    fun `a source that wraps the phone's is estimated on the thread of its sensors, and tells of silence`() = runBlocking {
+        val source = sensors.source()
+        val shifted = Shifted(source)
+        val (wrapped, plain) = List(2) { CopyOnWriteArrayList<CompensatedReading>() }
+        val now = CoroutineScope(Dispatchers.Unconfined)
+        val one = now.launch { Compass(shifted, grace = ZERO).readings().collect(wrapped::add) }
+        val two = now.launch { Compass(source, grace = ZERO).readings().collect(plain::add) }
+        var k = 0L
+        until { (wrapped.isNotEmpty() && plain.isNotEmpty()).also { if (!it) magnetic(++k * STEP_NS) } }
+        wrapped.clear()
+        shifted.threads.clear()
+        magnetic(++k * STEP_NS)
+        assertEquals(plain.last().sample.fieldUt.x + 5, wrapped.single().sample.fieldUt.x)
+        assertEquals(listOf(Thread.currentThread()), shifted.threads.toList())
+        assertEquals(1, sensors.most.get())
+        repeat(300) { Handler.pass(10) }
+        assertTrue((wrapped.last().stream as StreamStatus.Silent).sensors.contains(PhoneSensor.MAGNETOMETER))
+        assertEquals(2, wrapped.size)
+        one.cancelAndJoin()
+        two.cancelAndJoin()
+        until { sensors.registrations.isEmpty() }
+    }
+
     @Test
     fun `one that fails ends alone`() = runBlocking {
         val source = sensors.source()

@@ -15,6 +15,7 @@ import org.magcomp.EventTaker
 import org.magcomp.MagneticFieldSource
 import org.magcomp.RawEvent
 import org.magcomp.RecordingSource
+import org.magcomp.samples
 import org.magcomp.core.DeviceVector
 import org.magcomp.core.MagneticSample
 import org.magcomp.core.SensorSample
