@@ -105,6 +105,7 @@ mod level;
 mod math;
 mod noise;
 mod north;
+mod pointing;
 mod priors;
 mod range;
 mod reading;
@@ -134,8 +135,9 @@ pub use explanation::{
     ChangeHypothesis, ChangeKind, EXPLAINED_HYPOTHESES, Estimator, EstimatorPhase, Explanation, InnovationTest,
     NoiseLevels, OutsideTest, SampleUse,
 };
-pub use heading::{Heading, Pointing, heading, heading_sigma_deg, true_heading_deg};
+pub use heading::{Heading, heading, heading_sigma_deg, true_heading_deg};
 pub use kept::{CalibrationSource, KEPT_VERSION, KeptCalibration, KeptError};
+pub use pointing::Pointing;
 pub use range::ConfigError;
 pub use reading::{Event, Reading};
 pub use sample::{

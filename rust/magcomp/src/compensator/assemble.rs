@@ -4,9 +4,10 @@ use super::Compensator;
 use crate::attitude::{self, Attitude};
 use crate::config::HeadingConfig;
 use crate::estimator::answer::{Answer, KnownNorth};
-use crate::heading::{self, Heading, Pointing, true_heading_deg};
+use crate::heading::{self, Heading, true_heading_deg};
 use crate::level::{Level, Tilt};
 use crate::math::elementary::hypot;
+use crate::pointing::Pointing;
 use crate::reading::{Reading, Status};
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField as _;

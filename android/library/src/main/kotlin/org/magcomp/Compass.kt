@@ -106,7 +106,8 @@ public class Compass internal constructor(
      * Every reading, whole, for a file or a computation; [headings] and [states] are for a screen. Each magnetometer sample makes one reading,
      * and a magnetometer that falls silent makes one more ([CompensatedReading.stream]). A new collector gets the latest reading at once if
      * that is less than a second old and others collect them whole. A collector may be [MOST_WAITING] readings behind. One that falls further
-     * behind loses the oldest, and [CompensatedReading.droppedBefore] counts them. The heading is that of the config's frame; [CompensatedReading.headingOn] has the others.
+     * behind loses the oldest, and [CompensatedReading.droppedBefore] counts them. The heading is that of the config's frame;
+     * [CompensatedReading.headingOn] has the others.
      *
      * The sensors run from the first collector on until the last has left and the grace time has passed. The compass saves the calibration
      * when the status is first `Tracking`, then when the calibration has changed and 10 s have passed since the last save, when the last

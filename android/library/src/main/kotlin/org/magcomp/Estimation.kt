@@ -200,7 +200,8 @@ internal class Estimation(
     private fun around(told: StreamStatus): Answer.Around {
         val error = storeError()
         val isSame = with(around) {
-            unseenDirections === unseen && sensors === this@Estimation.sensors && storeError === error && headingAid == this@Estimation.headingAid && stream === told
+            unseenDirections === unseen && sensors === this@Estimation.sensors && storeError === error && stream === told &&
+                headingAid == this@Estimation.headingAid
         }
         if (!isSame) around = Answer.Around(unseen, sensors, error, headingAid, told)
         return around

@@ -2,7 +2,10 @@ package org.magcomp
 
 import org.magcomp.core.*
 
-/** One event of a sensor as numbers. A source uses the object again: who takes one is done with it when [EventTaker.take] returns, and changes a [copy] alone. */
+/**
+ * One event of a sensor as numbers. A source uses the object again: who takes one is done with it when [EventTaker.take] returns, and changes
+ * a [copy] alone.
+ */
 public class RawEvent {
     /** At equal times events have this order. */
     internal var kind = 0

@@ -106,7 +106,8 @@ internal class SharedReadings(
         /** A box for another collector, with the latest answer where that is still true. */
         fun open(isWhole: Boolean): Box = synchronized(this) {
             val answers = Channel<Answer>(if (isWhole) Compass.MOST_WAITING else 1, BufferOverflow.DROP_OLDEST)
-            val now = latest?.takeIf { (it.isSilence || nowNs() - latestAtNs < FRESH_NS) && (!isWhole || it.whole != null) }?.also { answers.trySend(it) }
+            val isTrue = latest?.isSilence == true || nowNs() - latestAtNs < FRESH_NS
+            val now = latest?.takeIf { isTrue && (!isWhole || it.whole != null) }?.also { answers.trySend(it) }
             Box(isWhole, answers, now?.number ?: number).also { boxes += it }
         }
 

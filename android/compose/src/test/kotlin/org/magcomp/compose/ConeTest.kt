@@ -43,6 +43,8 @@ class ConeTest {
     fun `a cone that knows nothing of its width is a disc, and one without a heading is none`() {
         val all = (0 until 360 step 10).map { it.toDouble() }
         assertEquals(all, all.filter(drawn { HeadingCone(70.0, null, Color.Red, Modifier.size(200.dp)) }))
-        for (none in listOf(null, Double.NaN)) assertEquals(emptyList<Double>(), all.filter(drawn { HeadingCone(none, 10.0, Color.Red, Modifier.size(200.dp)) }))
+        for (none in listOf(null, Double.NaN)) {
+            assertEquals(emptyList<Double>(), all.filter(drawn { HeadingCone(none, 10.0, Color.Red, Modifier.size(200.dp)) }))
+        }
     }
 }
