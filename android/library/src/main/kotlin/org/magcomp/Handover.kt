@@ -19,9 +19,20 @@ internal object Handover {
 
     private val delivers = ThreadLocal<Boolean>()
 
-    /** This thread delivers, from now on. */
+    /** This thread delivers and does nothing else, from now on. */
     fun delivers() {
         if (delivers.get() == null) delivers.set(true)
+    }
+
+    /** This thread delivers while it does something: a thread of an app's own source has other work too. */
+    inline fun delivering(what: () -> Unit) {
+        val before = delivers.get()
+        delivers.set(true)
+        try {
+            what()
+        } finally {
+            delivers.set(before)
+        }
     }
 
     fun isDelivering(): Boolean = delivers.get() != null

@@ -116,14 +116,13 @@ internal class SharedReadings(
         }
 
         override fun tell(answer: Answer) {
-            Handover.delivers()
             val now = synchronized(this) {
                 answer.number = number++
                 latest = answer
                 latestAtNs = nowNs()
                 boxes
             }
-            for (box in now) box.answers.trySend(answer)
+            Handover.delivering { for (box in now) box.answers.trySend(answer) }
         }
 
         /** Ends what is collected, once. */
@@ -135,7 +134,7 @@ internal class SharedReadings(
                 this.error = error.takeUnless { isClosed }
                 boxes
             }
-            for (box in now) box.answers.close()
+            Handover.delivering { for (box in now) box.answers.close() }
         }
 
         /** From now on a collector begins another run. */
