@@ -36,6 +36,11 @@ internal class Inbox(private val most: Int, private val hear: (SensorsInUse) -> 
         waiting.close(error)
     }
 
+    /** Gives what waits to [out]. */
+    fun rest(out: (RawEvent) -> Unit) {
+        while (true) out(waiting.tryReceive().getOrNull() ?: return)
+    }
+
     /** Nobody collects any more: who waits for room is told. */
     fun cancel() = waiting.cancel()
 }

@@ -58,8 +58,8 @@ public interface EventTaker {
  */
 public fun MagneticFieldSource.samples(): Flow<SensorSample> = events().map { it.toSample() }
 
-/** The same with each sensor's own times. [hear] gets the sensors in use before the first event. */
-internal fun MagneticFieldSource.events(hear: (SensorsInUse) -> Unit = {}): Flow<RawEvent> = flow {
+/** The same with each sensor's own times. [hear] gets the sensors in use before the first event, [rest] what still waits when the collector ends. */
+internal fun MagneticFieldSource.events(hear: (SensorsInUse) -> Unit = {}, rest: (RawEvent) -> Unit = {}): Flow<RawEvent> = flow {
     coroutineScope {
         val inbox = Inbox(MOST_EVENTS, hear)
         // elsewhere: a source need not suspend
@@ -67,8 +67,9 @@ internal fun MagneticFieldSource.events(hear: (SensorsInUse) -> Unit = {}): Flow
         try {
             inbox.each(::emit)
         } finally {
-            inbox.cancel()
             delivering.cancel()
+            inbox.rest(rest)
+            inbox.cancel()
         }
     }
 }

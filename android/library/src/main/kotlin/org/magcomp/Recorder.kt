@@ -44,7 +44,14 @@ internal suspend fun MagneticFieldSource.record(file: File, mostBytes: Long, now
         // a phone's sensors may come more seldom, or late by what was asked for
         if (this@record is SensorManagerSource) rows.leadNs = mostBetweenNs
         try {
-            events { rows.sensors = it }.first { !rows.write(it) }
+            var isFull = false
+            fun write(event: RawEvent) {
+                if (!isFull) isFull = !rows.write(event)
+            }
+            events({ rows.sensors = it }, ::write).first {
+                write(it)
+                isFull
+            }
         } catch (_: NoSuchElementException) {
             // the source has ended
         } finally {
