@@ -11,7 +11,11 @@ import org.magcomp.core.*
  * @param hear gets the sensors in use, before the first event and whenever they are others
  */
 internal class Inbox(private val most: Int, private val hear: (SensorsInUse) -> Unit = {}) : EventTaker {
-    private val waiting = Channel<RawEvent>(most)
+    private val waiting = Channel<RawEvent>(most) { if (onItsWay == null) onItsWay = it }
+
+    /** What was taken for a collector that was cancelled before it got it. */
+    @Volatile
+    private var onItsWay: RawEvent? = null
 
     /** Gives every event to [out] until the source ends, with its error. */
     suspend fun each(out: suspend (RawEvent) -> Unit) {
@@ -38,6 +42,7 @@ internal class Inbox(private val most: Int, private val hear: (SensorsInUse) -> 
 
     /** Gives what waits to [out]. */
     fun rest(out: (RawEvent) -> Unit) {
+        onItsWay?.let(out)
         while (true) out(waiting.tryReceive().getOrNull() ?: return)
     }
 
