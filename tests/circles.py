@@ -39,6 +39,7 @@ FLOORS = {
         "level": "math",
         "heading": "config level math",
         "attitude": "heading level math",
+        "pointing": "attitude heading config level",
         "sensing": "math priors range room sample status strength tuning",
         "kept": "calibration priors range",
     },

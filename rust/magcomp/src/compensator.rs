@@ -21,6 +21,7 @@ use crate::estimator::Estimator;
 use crate::estimator::answer::{Answer, Counted};
 use crate::explanation::Explanation;
 use crate::north::North;
+use crate::pointing::Pointing;
 use crate::range::ConfigError;
 use crate::reading::{Event, Reading, RejectReason, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample, seconds};
@@ -163,6 +164,11 @@ impl Compensator {
     /// stays then, and all else begins anew. At the sensor's full scale (`RejectReason::Saturated`) a gyroscope carries the field on:
     /// the reading has a carried field and a heading, and nothing is learned.
     pub fn push(&mut self, sample: MagneticSample) -> Reading {
+        self.push_pointing(sample).0
+    }
+
+    /// The same as [`Self::push`], with what the heading of any axis is formed of; it is there where the reading has an attitude.
+    pub fn push_pointing(&mut self, sample: MagneticSample) -> (Reading, Option<Pointing>) {
         match self.check(&sample) {
             Ok(()) => {}
             Err(reason @ (RejectReason::Saturated { .. } | RejectReason::NotFinite))
@@ -189,12 +195,12 @@ impl Compensator {
         let (status, mut answer) = self.estimator.push(&sample, &paired);
         self.note(&sample, &answer);
         self.state.north.step(sample.time_ns, &mut answer, self.config.heading.declination_deg);
-        let reading = self.assemble(sample.time_ns, status, &answer);
+        let (reading, pointing) = self.assemble(sample.time_ns, status, &answer);
         if let (Status::Tracking, Some(heading)) = (status, &reading.heading) {
             let since_s = previous_ns.map_or(0.0, |previous_ns| seconds(previous_ns, sample.time_ns));
             self.state.belief.see_dip(heading, since_s);
         }
-        reading
+        (reading, pointing)
     }
 
     /// Whether [`Self::push`] would use this sample now, but for [`RejectReason::Axes`], which many samples tell together.
@@ -263,7 +269,7 @@ impl Compensator {
     }
 
     /// The field of a sample is of no use: the gyroscope carries on what is known.
-    fn carry(&mut self, time_ns: i64, reason: RejectReason) -> Reading {
+    fn carry(&mut self, time_ns: i64, reason: RejectReason) -> (Reading, Option<Pointing>) {
         let previous_ns = self.state.stream.pass(time_ns);
         let (mut paired, testimony) = self.pair(time_ns, previous_ns, None);
         if self.hand_over(time_ns, previous_ns, &testimony) {
@@ -276,7 +282,7 @@ impl Compensator {
         self.assemble(time_ns, Status::Rejected(reason), &answer)
     }
 
-    fn rejected(&self, time_ns: i64, reason: RejectReason) -> Reading {
+    fn rejected(&self, time_ns: i64, reason: RejectReason) -> (Reading, Option<Pointing>) {
         let answer = Answer { mode: self.state.mode, window: self.estimator.window(), ..Answer::default() };
         self.assemble(time_ns, Status::Rejected(reason), &answer)
     }
