@@ -62,18 +62,20 @@ fn content(root: &Path, path: &str) -> Result<String, String> {
 /// All that is made of the tables in this repository.
 pub fn files(root: &Path) -> Result<Vec<File>, String> {
     let renamed = renamed(root)?;
-    let enums = table::read(&content(root, "bindings/status.toml")?)?;
+    let mut enums = table::read(&content(root, "bindings/status.toml")?)?;
     let config::Settings { choices, groups: settings, members } =
         config::read(&content(root, "bindings/config.toml")?)?;
     let reading = reading::read(&content(root, "bindings/reading.toml")?, &enums)?;
     let all = texts::read(&enums, &content(root, "bindings/texts.toml")?)?;
-    for case in enums.iter().flat_map(|one| &one.cases) {
-        if let Some(name) = case.guidance.as_ref().filter(|name| !all.iter().any(|text| text.name == **name)) {
-            return Err(format!(
+    for case in enums.iter_mut().flat_map(|one| &mut one.cases) {
+        let Some(name) = &case.guidance else { continue };
+        let text = all.iter().find(|text| text.name == *name).ok_or_else(|| {
+            format!(
                 "bindings/status.toml: {} has the guidance {name}, which bindings/texts.toml does not have",
                 case.name
-            ));
-        }
+            )
+        })?;
+        case.remedy.get_or_insert_with(|| text.as_a_clause());
     }
     let mut made = texts::files(&all);
     let by_name = enums.iter().chain(&choices).map(|one| (one.name.clone(), one.clone())).collect();

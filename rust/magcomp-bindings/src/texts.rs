@@ -47,6 +47,12 @@ pub fn read(enums: &[Enum], text: &str) -> Result<Vec<Text>, String> {
 }
 
 impl Text {
+    /// An English sentence, as it stands in another.
+    pub fn as_a_clause(&self) -> String {
+        let sentence = self.english().trim_end_matches('.');
+        sentence[..1].to_lowercase() + &sentence[1..]
+    }
+
     fn english(&self) -> &str {
         &self.languages["en"]
     }

@@ -191,7 +191,7 @@ fn the_page_of_the_status_has_every_status() {
     // such as Collecting(Fit(Planar(thickness_ut: 0.5))); X, Y and Z are axes
     let names = [told("statuses", "status"), told("events", "kind")].concat().join(" ");
     let is_case = |name: &&str| name.len() > 1 && name.starts_with(char::is_uppercase);
-    let names: BTreeSet<&str> = names.split([' ', '(', ')']).filter(is_case).collect();
+    let names: BTreeSet<&str> = names.split([' ', '(', ')', ',']).filter(is_case).collect();
     for name in &names {
         let swift = format!("`.{}{}", name[..1].to_lowercase(), &name[1..]);
         assert!(page.contains(&format!("`{name}")), "docs/STATUS.md lacks {name}");
