@@ -29,15 +29,6 @@ fn write_whole(numbers: [i64; 2], at: usize, out: &mut Slots) {
     }
 }
 
-pub(super) fn write_status(status: &FlatStatus, out: &mut Slots) {
-    let FlatStatus { kind, reason, problem, whole, real } = *status;
-    out[STATUS] = kind.into();
-    out[REASON] = reason.into();
-    out[FIT_PROBLEM] = problem.into();
-    out[REAL..REAL + 3].copy_from_slice(&real);
-    write_whole(whole, WHOLE, out);
-}
-
 pub(super) fn of(reading: &FlatReading) -> Slots {
     let mut out = [0.0; COUNT];
 {% for leaf in reading.leaves %}
@@ -51,6 +42,11 @@ pub(super) fn of(reading: &FlatReading) -> Slots {
 {% endfor %}
     out[EVENT] = reading.event.kind.into();
     write_whole([reading.event.since_ns, reading.event.decided_ns], EVENT_TIMES, &mut out);
-    write_status(&reading.status, &mut out);
+    let FlatStatus { kind, reason, problem, whole, real } = reading.status;
+    out[STATUS] = kind.into();
+    out[REASON] = reason.into();
+    out[FIT_PROBLEM] = problem.into();
+    out[REAL..REAL + 3].copy_from_slice(&real);
+    write_whole(whole, WHOLE, &mut out);
     out
 }
