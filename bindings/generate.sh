@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Writes what every language says of a status, from bindings/status.toml and bindings/texts (rust/magcomp-bindings), then bindings/kotlin and
-# bindings/swift from the library. With --check, fails when the committed ones differ.
+# Writes what is made of the tables bindings/*.toml (rust/magcomp-bindings), then bindings/kotlin and bindings/swift from the library. With
+# --check, fails when the committed ones differ.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 case "${1:-}" in

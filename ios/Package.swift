@@ -14,7 +14,7 @@ func these(_ names: [String]) -> [Target.Dependency] { names.map { .byName(name:
 let folder = Context.environment["MAGCOMP_NATIVE"] ?? "\(Context.packageDirectory)/../target/release"
 let maps = ["FerrostarCoreFFI", "FerrostarCore", "MapLibre"]
 // what of the sample needs no screen
-let ofApps = frameworks.isEmpty ? [] : ["CourseHelp", "FerrostarAdapter", "MapLibreAdapter"] + maps
+let ofApps = frameworks.isEmpty ? [] : ["Bridges", "CourseHelp", "FerrostarAdapter", "MapLibreAdapter"] + maps
 
 var targets: [Target] = [
     .systemLibrary(name: "MagcompFFI", path: "Sources/MagcompFFI"),
@@ -57,6 +57,10 @@ if !frameworks.isEmpty {
         .target(
             name: "CourseHelp", dependencies: these(["Magcomp", "CoreLocation"]), path: "Sample/Compass.swiftpm",
             exclude: ["CompassApp.swift", "CompassView.swift", "Package.swift"]),
+        // what docs/FRAMEWORKS.md shows, with stand-ins of React Native and Flutter
+        .target(
+            name: "Bridges", dependencies: these(["Magcomp", "CoreMotion"]), path: "Tests/Bridges",
+            swiftSettings: [.swiftLanguageMode(.v5)]),
     ]
 }
 

@@ -6,15 +6,15 @@ import MagcompFFI
 
 extension MagneticReading {
     init(_ c: MagcompReading, timeNs: Int64) {
-{% for field in reading.fields if field.is_record %}
-        let {{ field.camel }} = known(c.{{ field.leaves[0].flat }}).map {
-            {{ field.app|swift }}({% for leaf in field.leaves %}{{ leaf.camel }}: {% if loop.first %}$0{% elif leaf.none %}known(c.{{ leaf.flat }}){% else %}c.{{ leaf.flat }}{% endif %}{{ ", " if not loop.last }}{% endfor %})
+{% for field in reading.fields if field.parts %}
+        let {{ field.name|camel }} = known(c.{{ field.leaves[0].flat }}).map {
+            {{ field.kind|swift }}({% for leaf in field.leaves %}{{ leaf.name|camel }}: {% if loop.first %}$0{% elif leaf.none %}known(c.{{ leaf.flat }}){% else %}c.{{ leaf.flat }}{% endif %}{{ ", " if not loop.last }}{% endfor %})
         }
 {% endfor %}
         self.init(
             timeNs: timeNs,
 {% for field in reading.fields %}
-            {{ field.camel }}: {% if field.kind == "vector" %}vector(c.{{ field.name }}){% elif field.kind == "real" %}known(c.{{ field.name }}){% elif field.is_enum %}{{ field.app|swift }}(c.{{ field.name }}){% elif field.is_record %}{{ field.camel }}{% elif field.kind == "count" %}Int(c.{{ field.name }}){% else %}c.{{ field.name }}{% endif %},
+            {{ field.name|camel }}: {% if field.kind == "vector" %}vector(c.{{ field.name }}){% elif field.kind == "real" %}known(c.{{ field.name }}){% elif field.is_enum %}{{ field.kind|swift }}(c.{{ field.name }}){% elif field.parts %}{{ field.name|camel }}{% elif field.kind == "count" %}Int(c.{{ field.name }}){% else %}c.{{ field.name }}{% endif %},
 {% endfor %}
             event: FieldEvent(c.event),
             status: CompensationStatus(c.status)
@@ -37,17 +37,17 @@ private func unknown(_ what: String, _ code: Int32) -> Never {
 }
 
 {% macro read(field) %}
-{% if field.kind == "count" %}Int(clamping: c.whole.{{ field.place }}){% elif field.kind == "time" %}c.whole.{{ field.place }}{% elif field.kind == "axis" %}{{ by_name.Axis.app|swift }}(c.whole.{{ field.place }}){% elif field.kind == "signed_axis" %}axis({{ ["a", "b", "third"][field.place] }}){% elif field.kind == "real" %}{{ ["a", "b", "third"][field.place] }}{% else %}{{ by_name[field.kind].app|swift }}(c){% endif %}
+{% if field.kind == "count" %}Int(clamping: c.whole.{{ field.place }}){% elif field.kind == "time" %}c.whole.{{ field.place }}{% elif field.kind == "axis" %}{{ "Axis"|swift }}(c.whole.{{ field.place }}){% elif field.kind == "signed_axis" %}axis(c.real.{{ field.place }}){% elif field.kind == "real" %}c.real.{{ field.place }}{% else %}{{ field.kind|swift }}(c){% endif %}
 {%- endmacro %}
 {% macro made(case) %}
-.{{ case.camel }}{% if case.fields %}({% for field in case.fields %}{{ field.camel }}: {{ read(field) }}{{ ", " if not loop.last }}{% endfor %}){% endif %}
+.{{ case.name|camel }}{% if case.fields %}({% for field in case.fields %}{{ field.name|camel }}: {{ read(field) }}{{ ", " if not loop.last }}{% endfor %}){% endif %}
 {%- endmacro %}
 extension {{ "SensorMode"|swift }} {
     fileprivate init(_ code: Int32) {
         self =
             switch code {
 {% for case in by_name.SensorMode.cases %}
-            case {{ case.code }}: .{{ case.camel }}
+            case {{ case.code }}: .{{ case.name|camel }}
 {% endfor %}
             default: unknown("mode", code)
             }
@@ -58,7 +58,7 @@ extension ModelOrder {
     fileprivate init?(_ code: Int32) {
         switch code {
 {% for case in by_name.ModelOrder.cases %}
-        case {{ case.code }}: self = .{{ case.camel }}
+        case {{ case.code }}: self = .{{ case.name|camel }}
 {% endfor %}
         default: return nil
         }
@@ -67,10 +67,10 @@ extension ModelOrder {
 
 extension FieldEvent {
     fileprivate init?(_ c: MagcompEvent) {
-        let kind: {{ by_name.EventKind.app|swift }}? =
+        let kind: {{ "EventKind"|swift }}? =
             switch c.kind {
 {% for case in by_name.EventKind.cases %}
-            case {{ case.code }}: .{{ case.camel }}
+            case {{ case.code }}: .{{ case.name|camel }}
 {% endfor %}
             default: nil
             }
@@ -80,28 +80,25 @@ extension FieldEvent {
 }
 
 {% for one, code in [(by_name.Status, "kind"), (by_name.Missing, "reason"), (by_name.HoldReason, "reason"), (by_name.RejectReason, "reason"), (by_name.FitProblem, "problem")] %}
-extension {{ one.app|swift }} {
+extension {{ one.name|swift }} {
     {{ "fileprivate " if one.name != "Status" }}init(_ c: MagcompStatus) {
-{% if one.has_reals %}
-        let (a, b, third) = c.real
-{% endif %}
         self =
             switch c.{{ code }} {
 {% for case in one.cases %}
             case {{ case.code }}: {{ made(case) }}
 {% endfor %}
-            default: unknown("{{ one.words }}", c.{{ code }})
+            default: unknown("{{ one.name|snake|replace("_", " ") }}", c.{{ code }})
             }
     }
 }
 
 {% endfor %}
-extension {{ by_name.Axis.app|swift }} {
+extension {{ "Axis"|swift }} {
     fileprivate init(_ number: Int64) {
         self =
             switch number {
 {% for case in by_name.Axis.cases %}
-            case {{ case.code }}: .{{ case.camel }}
+            case {{ case.code }}: .{{ case.name|camel }}
 {% endfor %}
             default: unknown("axis", Int32(truncatingIfNeeded: number))
             }
@@ -110,7 +107,7 @@ extension {{ by_name.Axis.app|swift }} {
     var name: String {
         switch self {
 {% for case in by_name.Axis.cases %}
-        case .{{ case.camel }}: "{{ case.snake }}"
+        case .{{ case.name|camel }}: "{{ case.name|snake }}"
 {% endfor %}
         }
     }

@@ -8,10 +8,10 @@ whole(slots, at + WHOLE{{ " + " ~ 2 * field.place if field.place }})
 slots[at + REAL{{ " + " ~ field.place if field.place }}]
 {%- endmacro %}
 {% macro read(field) %}
-{% if field.kind == "count" %}{{ whole(field) }}.toInt(){% elif field.kind == "time" %}{{ whole(field) }}{% elif field.kind == "axis" %}DeviceAxis.entries[{{ whole(field) }}.toInt()]{% elif field.kind == "signed_axis" %}{{ real(field) }}.toInt(){% elif field.kind == "real" %}{{ real(field) }}{% elif field.kind == "FitProblem" %}fitProblem(slots, at){% else %}{{ by_name[field.kind].camel }}(slots, at, reason){% endif %}
+{% if field.kind == "count" %}{{ whole(field) }}.toInt(){% elif field.kind == "time" %}{{ whole(field) }}{% elif field.kind == "axis" %}DeviceAxis.entries[{{ whole(field) }}.toInt()]{% elif field.kind == "signed_axis" %}{{ real(field) }}.toInt(){% elif field.kind == "real" %}{{ real(field) }}{% elif field.kind == "FitProblem" %}fitProblem(slots, at){% else %}{{ by_name[field.kind].name|camel }}(slots, at, reason){% endif %}
 {%- endmacro %}
 {% macro made(one, case) %}
-{{ one.app }}.{{ case.name }}{% if case.fields %}({% for field in case.fields %}{{ read(field) }}{{ ", " if not loop.last }}{% endfor %}){% endif %}
+{{ one.name|app }}.{{ case.name }}{% if case.fields %}({% for field in case.fields %}{{ read(field) }}{{ ", " if not loop.last }}{% endfor %}){% endif %}
 {%- endmacro %}
 /**
  * A reading that is filled again and again, so that a stream of sensor events allocates nothing.
@@ -30,10 +30,10 @@ public class ReadingBuffer {
 {% for leaf in field.leaves %}
 {% if field.is_enum %}
     /** {{ field.meaning }}{{ " Null " ~ field.none ~ "." if field.none }} */
-    public val {{ field.camel }}: {{ field.app }}{{ "?" if field.none }} get() = {{ field.camel }}(slots, 0)
+    public val {{ field.name|camel }}: {{ field.kind|app }}{{ "?" if field.none }} get() = {{ field.name|camel }}(slots, 0)
 
 {% else %}
-{% for name, document in leaf.buffer %}
+{% for name, document in leaf.buffer|items %}
     /** {{ document }} */
     public val {{ name }}: {{ "Int" if leaf.kind == "count" else "Double" }} get() = slots[{{ leaf.slot }}{{ " + " ~ loop.index0 if loop.index0 }}]{{ ".toInt()" if leaf.kind == "count" }}
 
@@ -68,11 +68,11 @@ public class ReadingBuffer {
         /** The numbers of a reading but for event and status. */
         const val NUMBERS = {{ n }}
 
-{% for field in reading.fields if field.is_record %}
-        fun {{ field.camel }}(slots: DoubleArray, at: Int = 0): {{ field.app }}? = known(slots[at + {{ field.leaves[0].slot }}])?.let {
-            {{ field.app }}(
+{% for field in reading.fields if field.parts %}
+        fun {{ field.name|camel }}(slots: DoubleArray, at: Int = 0): {{ field.kind|app }}? = known(slots[at + {{ field.leaves[0].slot }}])?.let {
+            {{ field.kind|app }}(
 {% for leaf in field.leaves %}
-                {{ leaf.camel }} = {% if loop.first %}it{% elif leaf.none %}known(slots[at + {{ leaf.slot }}]){% else %}slots[at + {{ leaf.slot }}]{% endif %},
+                {{ leaf.name|camel }} = {% if loop.first %}it{% elif leaf.none %}known(slots[at + {{ leaf.slot }}]){% else %}slots[at + {{ leaf.slot }}]{% endif %},
 {% endfor %}
             )
         }
@@ -86,7 +86,7 @@ public class ReadingBuffer {
 {% for field in reading.fields %}
 {% set first = field.leaves[0] %}
 {% set number = "slots[at + " ~ first.slot ~ "]" %}
-            {{ field.camel }} = {% if field.kind == "vector" %}vectorOrNull(slots, at + {{ first.slot }}){% elif field.kind == "real" %}known({{ number }}){% elif field.kind == "count" %}{{ number }}.toInt(){% elif field.kind == "share" %}{{ number }}{% else %}{{ field.camel }}(slots, at){% endif %},
+            {{ field.name|camel }} = {% if field.kind == "vector" %}vectorOrNull(slots, at + {{ first.slot }}){% elif field.kind == "real" %}known({{ number }}){% elif field.kind == "count" %}{{ number }}.toInt(){% elif field.kind == "share" %}{{ number }}{% else %}{{ field.name|camel }}(slots, at){% endif %},
 {% endfor %}
             event = event,
             status = status,
@@ -103,7 +103,7 @@ public class ReadingBuffer {
         }
 
 {% for field in reading.fields if field.is_enum %}
-        private fun {{ field.camel }}(slots: DoubleArray, at: Int): {{ field.app }}{{ "?" if field.none }} = {{ field.app }}.entries{% if field.none %}.getOrNull(slots[at + {{ field.leaves[0].slot }}].toInt()){% else %}[slots[at + {{ field.leaves[0].slot }}].toInt()]{% endif %}
+        private fun {{ field.name|camel }}(slots: DoubleArray, at: Int): {{ field.kind|app }}{{ "?" if field.none }} = {{ field.kind|app }}.entries{% if field.none %}.getOrNull(slots[at + {{ field.leaves[0].slot }}].toInt()){% else %}[slots[at + {{ field.leaves[0].slot }}].toInt()]{% endif %}
 
 
 {% endfor %}
@@ -117,12 +117,12 @@ public class ReadingBuffer {
         }
 
 {% for one in [by_name.Missing, by_name.HoldReason, by_name.RejectReason] %}
-        private fun {{ one.camel }}(slots: DoubleArray, at: Int, reason: Int): {{ one.app }} =
+        private fun {{ one.name|camel }}(slots: DoubleArray, at: Int, reason: Int): {{ one.name|app }} =
             when (reason) {
 {% for case in one.cases %}
                 {{ case.code }} -> {{ made(one, case) }}
 {% endfor %}
-                else -> error("{{ one.words }} $reason: the library's native part is of another version")
+                else -> error("{{ one.name|snake|replace("_", " ") }} $reason: the library's native part is of another version")
             }
 
 {% endfor %}

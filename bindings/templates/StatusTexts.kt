@@ -5,15 +5,15 @@ import kotlin.math.abs
 import org.magcomp.core.*
 
 {% macro value(field) %}
-{% if field.kind == "axis" %}{{ field.camel }}.name.lowercase(){% elif field.kind == "axes" %}listOf(x, y, z).joinToString(",", transform = ::typed){% elif field.kind == "took" %}(decidedNs.toDouble() - sinceNs.toDouble()) * 1e-9{% elif field.kind in by_name %}{{ field.camel }}.text(strings){% else %}{{ field.camel }}{% endif %}
+{% if field.kind == "axis" %}{{ field.name|camel }}.name.lowercase(){% elif field.kind == "axes" %}listOf(x, y, z).joinToString(",", transform = ::typed){% elif field.kind == "took_s" %}(decidedNs.toDouble() - sinceNs.toDouble()) * 1e-9{% elif field.kind in by_name %}{{ field.name|camel }}.text(strings){% else %}{{ field.name|camel }}{% endif %}
 {%- endmacro %}
 {% macro is_case(one, case) %}
-{{ "is " if case.fields }}{{ one.app }}.{{ case.name }}
+{{ "is " if case.fields }}{{ one.name|app }}.{{ case.name }}
 {%- endmacro %}
-{% for one in enums if one.has_texts and one.has_fields or one.name in ["Missing", "HoldReason"] %}
-internal fun {{ one.app }}.text(strings: Strings): String = when (this) {
+{% for one in enums if one.texts and one.cases|selectattr("fields")|list or one.name in ["Missing", "HoldReason"] %}
+internal fun {{ one.name|app }}.text(strings: Strings): String = when (this) {
 {% for case in one.cases %}
-    {{ is_case(one, case) }} -> {% if case.text %}strings.say(R.string.magcomp_{{ case.text }}{% for field in case.told %}, {{ value(field) }}{% endfor %}){% else %}{{ case.nested.camel }}.text(strings){% endif %}
+    {{ is_case(one, case) }} -> {% if case.key %}strings.say(R.string.magcomp_{{ case.key }}{% for field in case.told %}, {{ value(field) }}{% endfor %}){% else %}{{ case.nested.name|camel }}.text(strings){% endif %}
 
 {% endfor %}
 }
@@ -25,7 +25,7 @@ private fun typed(axis: Int): String = (if (axis < 0) "-" else "") + "xyz"[abs(a
 internal fun FieldEvent.text(strings: Strings): String {
     val id = when (kind) {
 {% for case in by_name.EventKind.cases %}
-        {{ by_name.EventKind.app }}.{{ case.screaming }} -> R.string.magcomp_{{ case.text }}
+        {{ by_name.EventKind.name|app }}.{{ case.name|snake|upper }} -> R.string.magcomp_{{ case.key }}
 {% endfor %}
     }
     return strings.say(id, (decidedNs.toDouble() - sinceNs.toDouble()) * 1e-9)
@@ -34,15 +34,15 @@ internal fun FieldEvent.text(strings: Strings): String {
 internal fun HeadingAid.text(strings: Strings): String = strings.say(
     when (this) {
 {% for case in by_name.HeadingAid.cases %}
-        HeadingAid.{{ case.screaming }} -> R.string.magcomp_{{ case.text }}
+        HeadingAid.{{ case.name|snake|upper }} -> R.string.magcomp_{{ case.key }}
 {% endfor %}
     },
 )
 
-internal fun {{ by_name.Status.app }}.guidance(): Int? = when (this) {
+internal fun {{ by_name.Status.name|app }}.guidance(): Int? = when (this) {
 {% for status in by_name.Status.cases %}
 {% if status.nested and by_name[status.nested.kind].cases|selectattr("guidance")|list %}
-    {{ is_case(by_name.Status, status) }} -> when ({{ status.nested.camel }}) {
+    {{ is_case(by_name.Status, status) }} -> when ({{ status.nested.name|camel }}) {
 {% for case in by_name[status.nested.kind].cases %}
         {{ is_case(by_name[status.nested.kind], case) }} -> {{ "R.string.magcomp_" ~ case.guidance if case.guidance else "null" }}
 {% endfor %}

@@ -4,13 +4,13 @@
 import Foundation
 
 {% macro value(field) %}
-{% if field.kind == "axis" %}{{ field.camel }}.name{% elif field.kind == "axes" %}[x, y, z].map(typed).joined(separator: ","){% elif field.kind == "took" %}tookS{% elif field.kind == "count" %}Int64({{ field.camel }}){% elif field.kind in by_name %}{{ field.camel }}.localizedText{% else %}{{ field.camel }}{% endif %}
+{% if field.kind == "axis" %}{{ field.name|camel }}.name{% elif field.kind == "axes" %}[x, y, z].map(typed).joined(separator: ","){% elif field.kind == "took_s" %}tookS{% elif field.kind == "count" %}Int64({{ field.name|camel }}){% elif field.kind in by_name %}{{ field.name|camel }}.localizedText{% else %}{{ field.name|camel }}{% endif %}
 {%- endmacro %}
 {% macro bound(case, names) %}
-.{{ case.camel }}{% if case.fields and (case.told or not case.text) %}({% for field in case.fields %}let {{ field.camel }}{{ ", " if not loop.last }}{% endfor %}){% endif %}
+.{{ case.name|camel }}{% if case.fields and (case.told or not case.key) %}({% for field in case.fields %}let {{ field.name|camel }}{{ ", " if not loop.last }}{% endfor %}){% endif %}
 {%- endmacro %}
-{% for one in enums if one.has_texts and one.name != "EventKind" %}
-extension {{ one.app|swift }} {
+{% for one in enums if one.texts and one.name != "EventKind" %}
+extension {{ one.name|swift }} {
 {% if one.name in ["Status", "HeadingAid"] %}
     /// One sentence an app may show{% if one.name == "HeadingAid" %} of what headings from outside are worth{% endif %}, in the app's language where the package has it, else in English.
     public var localizedText: String {
@@ -19,7 +19,7 @@ extension {{ one.app|swift }} {
 {% endif %}
         switch self {
 {% for case in one.cases %}
-        case {{ bound(case) }}: {% if case.text %}say("{{ case.text }}"{% for field in case.told %}, {{ value(field) }}{% endfor %}){% else %}{{ case.nested.camel }}.localizedText{% endif %}
+        case {{ bound(case) }}: {% if case.key %}say("{{ case.key }}"{% for field in case.told %}, {{ value(field) }}{% endfor %}){% else %}{{ case.nested.name|camel }}.localizedText{% endif %}
 
 {% endfor %}
         }
@@ -32,18 +32,18 @@ private func typed(_ axis: Int) -> String {
     (axis < 0 ? "-" : "") + ["x", "y", "z"][min(max(Int(clamping: axis.magnitude), 1), 3) - 1]
 }
 
-extension {{ by_name.Status.app }} {
+extension {{ "Status"|swift }} {
     /// What the person can do for a better heading, in the app's language; nil: nothing.
     public var localizedGuidance: String? {
         switch self {
 {% for status in by_name.Status.cases %}
 {% if status.nested and by_name[status.nested.kind].cases|selectattr("guidance")|list %}
 {% for case in by_name[status.nested.kind].cases %}
-        case .{{ status.camel }}(.{{ case.camel }}): {% if case.guidance %}say("{{ case.guidance }}"){% else %}nil{% endif %}
+        case .{{ status.name|camel }}(.{{ case.name|camel }}): {% if case.guidance %}say("{{ case.guidance }}"){% else %}nil{% endif %}
 
 {% endfor %}
 {% else %}
-        case .{{ status.camel }}: {% if status.guidance %}say("{{ status.guidance }}"){% else %}nil{% endif %}
+        case .{{ status.name|camel }}: {% if status.guidance %}say("{{ status.guidance }}"){% else %}nil{% endif %}
 
 {% endif %}
 {% endfor %}
@@ -57,7 +57,7 @@ extension FieldEvent {
         let tookS = (Double(decidedNs) - Double(sinceNs)) * 1e-9
         return switch kind {
 {% for case in by_name.EventKind.cases %}
-        case .{{ case.camel }}: say("{{ case.text }}", tookS)
+        case .{{ case.name|camel }}: say("{{ case.key }}", tookS)
 {% endfor %}
         }
     }

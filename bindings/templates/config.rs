@@ -4,10 +4,10 @@
 // one way to write a member, whichever struct of the core's it is in
 #![allow(clippy::field_reassign_with_default)]
 
-use crate::choices::{ {%- for one in choices %}{{ one.name }}{{ ", " if not loop.last }}{% endfor %}};
 use crate::convert::count;
 use crate::error::MagcompError;
 use crate::record::Calibration;
+use crate::status::{ {%- for one in choices %}{{ one.name }}{{ ", " if not loop.last }}{% endfor %}};
 
 /// A count of the core's; `field` is where it stands in the config.
 fn size(field: &str, n: i32) -> Result<usize, MagcompError> {
@@ -29,15 +29,15 @@ fn size(field: &str, n: i32) -> Result<usize, MagcompError> {
 #[derive(Clone, Debug, Default, PartialEq, uniffi::Record)]
 pub struct {{ group.name }} {
 {% for field in group.fields %}
-    /// {{ field.meaning }}
+    /// {{ field.meaning|replace("{default}", "`" ~ (field.phone|split("::"))[1] ~ "`" if field.phone and "::" in field.phone else field.usual) }}
     #[uniffi(default = None)]
-    pub {{ field.name }}: Option<{{ field.border }}>,
+    pub {{ field.name }}: Option<{{ {"real": "f64", "count": "i32", "flag": "bool"}[field.kind]|default(field.kind) }}>,
 {% endfor %}
 }
 
 impl From<magcomp::{{ group.name }}> for {{ group.name }} {
     fn from(core: magcomp::{{ group.name }}) -> Self {
-        let magcomp::{{ group.name }} { {{ group.core|join(", ") }} } = core;
+        let magcomp::{{ group.name }} { {{ group.members|join(", ") }} } = core;
         Self {
 {% for field in group.fields %}
             {{ from_core(field) }},

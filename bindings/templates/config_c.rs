@@ -3,6 +3,11 @@
 
 use crate::error::Failure;
 
+{# C's value of an enum's default #}
+{% macro value(field) %}
+{% set one = by_name[field.kind] %}
+{{ one.c ~ "::" ~ one.default ~ " as i32" if one.c else (one.cases|selectattr("name", "equalto", one.default)|first).c }}
+{%- endmacro %}
 {% for one in choices if one.c %}
 /// {{ one.meaning }}
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,9 +23,9 @@ pub enum {{ one.c }} {
 /// Settings. magcomp_config_default fills in the defaults; change what is to differ. As text, for magcomp_compensator_create, they have
 /// these names; those of a heading are in {"heading": {}}, those of the paper's method in {"windowed": {}}. What differs, and what is there alone:
 ///
-{% for group in settings if group.is_made %}
+{% for group in settings if group.core %}
 {% for field in group.fields if field.core and not field.is_group and (not field.c or field.kind in by_name) %}
-/// - {{ field.place }}: {{ field.document if not field.c }}{{ ' {"soft_iron": [9 numbers], "hard_iron_ut": [3 numbers], "field_strength_ut": |h|}' if field.kind == "Calibration" }}{% if field.kind in by_name %}{{ " " if not field.c }}One of "{{ by_name[field.kind].cases|map(attribute="name")|join('", "') }}".{% endif %}
+/// - {{ field.place }}: {{ field.meaning|replace("{default}", field.usual) if not field.c }}{{ ' {"soft_iron": [9 numbers], "hard_iron_ut": [3 numbers], "field_strength_ut": |h|}' if field.kind == "Calibration" }}{% if field.kind in by_name %}{{ " " if not field.c }}One of "{{ by_name[field.kind].cases|map(attribute="name")|join('", "') }}".{% endif %}
 
 {% endfor %}
 {% endfor %}
@@ -31,7 +36,8 @@ pub struct Config {
     pub size: usize,
 {% for field in members %}
 {% set one = by_name[field.kind] if field.kind in by_name else false %}
-    /// {{ "A magcomp_" ~ one.c|lower ~ ". " if one and one.c }}{{ field.c_meaning }}{{ " One of " ~ one.cases|map(attribute="c")|join(", ") ~ "." if one and not one.c }}
+{% set usual = ("MAGCOMP_" ~ one.c|upper ~ "_" ~ one.default|snake|upper if one.c else value(field)) if one else "NaN" if field.none else field.usual %}
+    /// {{ "A magcomp_" ~ one.c|lower ~ ". " if one and one.c }}{{ field.meaning|replace("{default}", usual) }}{{ " One of " ~ one.cases|map(attribute="c")|join(", ") ~ "." if one and not one.c }}
     pub {{ field.c_name }}: {{ "f64" if field.kind == "real" else "i32" }},
 {% endfor %}
 }
@@ -42,7 +48,7 @@ impl Default for Config {
         Self {
             size: size_of::<Self>(),
 {% for field in members %}
-            {{ field.c_name }}: {{ field.c_value or "it." ~ field.place ~ (".unwrap_or(f64::NAN)" if field.none else "") }},
+            {{ field.c_name }}: {{ value(field) if field.kind in by_name else "it." ~ field.place ~ (".unwrap_or(f64::NAN)" if field.none else "") }},
 {% endfor %}
         }
     }

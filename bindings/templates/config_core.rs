@@ -22,15 +22,16 @@ pub enum {{ one.name }} {
 }
 
 {% endfor %}
-{% for group in settings if group.is_made %}
+{% for group in settings if group.core %}
 /// {{ group.meaning }}
 #[derive(Clone, {{ "Copy, " if group.name != "Config" }}Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 pub struct {{ group.name }} {
 {% for field in group.fields if field.core %}
-    /// {{ field.document }}{{ " Why: " ~ field.why ~ "." if field.why }}
-    pub {{ field.name }}: {{ "Option<" ~ field.rust ~ ">" if field.none else field.rust }},
+    /// {{ field.meaning|replace("{default}", field.usual) }}{{ " Why: " ~ field.why ~ "." if field.why }}
+{% set its = {"real": "f64", "count": "usize", "flag": "bool"}[field.kind]|default(field.kind) %}
+    pub {{ field.name }}: {{ "Option<" ~ its ~ ">" if field.none else its }},
 {% endfor %}
 }
 
@@ -50,13 +51,13 @@ impl {{ group.name }} {
     /// # Errors
     /// [`ConfigError`] names the first field that is not, and its range.
     pub{{ "(crate)" if group.name != "Config" }} fn validate(&self) -> Result<(), ConfigError> {
-{% for field in group.fields if field.most %}
-        in_range("{{ field.place }}", self.{{ field.name }}, {{ field.least }}..={{ field.most }}, "{{ field.unit }}")?;
+{% for field in group.fields if field.range and field.range[1] is number %}
+        in_range("{{ field.place }}", self.{{ field.name }}, {{ field.range[0] }}..={{ field.range[1] }}, "{{ field.unit }}")?;
 {% endfor %}
-{% for field in group.fields if field.below %}
-        if !({{ field.least }}..=self.{{ field.below }}).contains(&self.{{ field.name }}) {
-            let is_small = self.{{ field.name }} < {{ field.least }};
-            let expected = if is_small { "at least {{ field.least }} {{ field.unit }}" } else { "at most {{ field.place|replace(field.name, field.below) }}" }.to_owned();
+{% for field in group.fields if field.range and field.range[1] is string %}
+        if !({{ field.range[0] }}..=self.{{ field.range[1] }}).contains(&self.{{ field.name }}) {
+            let is_small = self.{{ field.name }} < {{ field.range[0] }};
+            let expected = if is_small { "at least {{ field.range[0] }} {{ field.unit }}" } else { "at most {{ field.place|replace(field.name, field.range[1]) }}" }.to_owned();
             return Err(ConfigError { field: "{{ field.place }}", value: self.{{ field.name }}.to_string(), expected });
         }
 {% endfor %}

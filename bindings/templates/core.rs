@@ -7,8 +7,8 @@ use alloc::{format, string::String};
 {%- if field.kind == "count" %}usize{% elif field.kind == "signed_axis" %}i8{% elif field.kind == "time" %}i64{% elif field.kind == "real" %}f64{% else %}Axis{% endif %}
 {%- endmacro %}
 {% for one in enums %}
-/// {{ one.meaning }}{{ " Its text is one sentence an app may show." if one.has_texts }}
-#[derive(Clone, Copy, Debug, {{ "Default, " if one.default }}PartialEq{{ ", Eq" if not one.has_fields }}{{ ", serde::Serialize, serde::Deserialize" if one.name != "EventRejection" }}{{ ", thiserror::Error" if one.says }})]
+/// {{ one.meaning }}{{ " Its text is one sentence an app may show." if one.texts }}
+#[derive(Clone, Copy, Debug, {{ "Default, " if one.default }}PartialEq{{ ", Eq" if not one.cases|selectattr("fields")|list }}{{ ", serde::Serialize, serde::Deserialize" if one.name != "EventRejection" }}{{ ", thiserror::Error" if one.cases|selectattr("says")|list }})]
 {% if one.name != "Axis" %}
 #[cfg_attr(not(feature = "exhaustive"), non_exhaustive)]
 {% endif %}
@@ -16,7 +16,7 @@ pub enum {{ one.core }} {
 {% for case in one.cases %}
     /// {{ case.document }}
 {% if case.says %}
-    #[error("{{ case.says }}"{{ ", typed([*.x, *.y, *.z])" if case.has_axes }})]
+    #[error("{{ case.says }}"{{ ", typed([*.x, *.y, *.z])" if "{axes:text}" in case.text.en|default("") }})]
 {% endif %}
 {% if one.default == case.name %}
     #[default]
@@ -32,12 +32,12 @@ pub enum {{ one.core }} {
 
 {% endfor %}
 impl Status {
-    /// One word for tables and logs: {% for case in by_name.Status.cases %}`{{ case.snake }}`{{ ", " if not loop.last }}{% endfor %}.
+    /// One word for tables and logs: {% for case in by_name.Status.cases %}`{{ case.name|snake }}`{{ ", " if not loop.last }}{% endfor %}.
     #[must_use]
     pub fn label(&self) -> &'static str {
         match self {
 {% for case in by_name.Status.cases %}
-            Self::{{ case.name }}{{ "(_)" if case.nested else " { .. }" if case.fields }} => "{{ case.snake }}",
+            Self::{{ case.name }}{{ "(_)" if case.nested else " { .. }" if case.fields }} => "{{ case.name|snake }}",
 {% endfor %}
         }
     }

@@ -75,12 +75,12 @@ impl FlatReading {
         let magcomp::Reading { time_ns: _{% for field in reading.fields if field.core %}, {{ field.name }}{% endfor %}, event, status } = *it;
         let vector = |v: Option<nalgebra::Vector3<f64>>| v.map_or([f64::NAN; 3], Into::into);
         let number = |v: Option<f64>| v.unwrap_or(f64::NAN);
-{% for field in reading.fields if field.is_record %}
+{% for field in reading.fields if field.parts %}
         let {{ field.name }} = {{ field.name }}.map({{ field.kind }}::from);
 {% endfor %}
         Self {
 {% for field in reading.fields %}
-{% if field.is_record %}
+{% if field.parts %}
 {% for leaf in field.leaves %}
             {{ leaf.flat }}: number({{ field.name }}.{{ "and_then" if leaf.none else "map" }}(|it| it.{{ leaf.name }})),
 {% endfor %}

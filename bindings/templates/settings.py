@@ -21,14 +21,14 @@ class InitialCalibration(typing.TypedDict):
     soft_iron: typing.Sequence[float]
     hard_iron_ut: typing.Sequence[float]
     field_strength_ut: float
-{% for group in settings|reverse if group.is_made %}
+{% for group in settings|reverse if group.core %}
 
 
 class {{ group.name|replace("Config", "Settings") }}(typing.TypedDict, total=False):
     """{{ group.meaning }}{{ " `Compensator().config` tells the defaults." if group.name == "Config" }}"""
 {% for field in group.fields if field.core %}
 
-    {{ field.name }}: {{ field.python }}{{ " | None" if field.none }}
-    """{{ field.document }}"""
+    {{ field.name }}: {{ {"real": "float", "count": "int", "flag": "bool", "Calibration": "InitialCalibration"}[field.kind]|default(field.kind|replace("Config", "Settings")) }}{{ " | None" if field.none }}
+    """{{ field.meaning|replace("{default}", field.usual) }}"""
 {% endfor %}
 {% endfor %}

@@ -3,10 +3,10 @@
 
 import typing
 
-{% for one, spelling in [(by_name.Status, "snake"), (by_name.EventKind, "name"), (by_name.HeadingAid, "snake")] %}
+{% for one, is_small in [(by_name.Status, true), (by_name.EventKind, false), (by_name.HeadingAid, true)] %}
 {{ one.name }} = typing.Literal[
 {% for case in one.cases %}
-    "{{ case[spelling] }}",  # {{ case.meaning }}
+    "{{ case.name|snake if is_small else case.name }}",  # {{ case.meaning }}
 {% endfor %}
 ]
 """{{ one.meaning }}"""

@@ -1,5 +1,5 @@
-// made by bindings/generate.sh from bindings/status.toml
-//! What the compensator is doing, and why: the core's enums as they cross the border, and their codes on the wire.
+// made by bindings/generate.sh from bindings/status.toml and bindings/config.toml
+//! What the compensator is doing, and why, and what a setting can be that is no number: the core's enums as they cross the border, and their codes on the wire.
 
 use crate::convert::{Cross, same};
 
@@ -9,9 +9,6 @@ use crate::convert::{Cross, same};
 {% macro pattern(case) %}
 {% if case.fields %} { {% for field in case.fields %}{{ field.name }}{% if not loop.last %}, {% endif %}{% endfor %} }{% endif %}
 {%- endmacro %}
-{% macro example(case) %}
-{% if case.fields %} { {% for field in case.fields %}{{ field.name }}: {{ field.example }}{% if not loop.last %}, {% endif %}{% endfor %} }{% endif %}
-{%- endmacro %}
 {# what a case's numbers are on the wire, after its codes #}
 {% macro numbers(case) %}
 {% set wholes = [] %}
@@ -20,9 +17,9 @@ use crate::convert::{Cross, same};
 {%- for field in case.fields if field.kind in ["real", "signed_axis"] %}{% if loop.first %}.real({% endif %}{{ field.name }}{% if field.kind == "signed_axis" %}.into(){% endif %}{% if loop.last %}{{ ", f64::NAN" * (3 - loop.length) }}){% else %}, {% endif %}{% endfor %}
 {%- endif %}
 {%- endmacro %}
-{% for one in enums %}
+{% for one in enums|chain(choices) %}
 /// {{ one.meaning }}{{ " `text()` says it in a sentence." if one.name in ["Status", "HeadingAid"] }}
-#[derive(Clone, Copy, Debug, PartialEq, {{ "Eq, " if not one.has_fields }}uniffi::Enum)]
+#[derive(Clone, Copy, Debug, PartialEq, {{ "Eq, " if not one.cases|selectattr("fields")|list }}uniffi::Enum)]
 pub enum {{ one.name }} {
 {% for case in one.cases %}
     /// {{ case.document }}
@@ -49,7 +46,7 @@ impl Cross<magcomp::Axis> for Axis {
 }
 
 same! {
-{% for one in enums %}
+{% for one in enums|chain(choices) %}
     {{ one.name }}: {{ one.core }} { {% for case in one.cases %}{{ case.name }}{% if case.nested %}({{ case.nested.name }}){% else %}{{ pattern(case) }}{% endif %}{{ ", " if not loop.last }}{% endfor %} }
 {% endfor %}
 }
@@ -79,7 +76,7 @@ impl Status {
         magcomp::Status::from(*self).to_string()
     }
 
-    /// One word for tables and logs: {% for case in by_name.Status.cases %}`{{ case.snake }}`{{ ", " if not loop.last }}{% endfor %}.
+    /// One word for tables and logs: {% for case in by_name.Status.cases %}`{{ case.name|snake }}`{{ ", " if not loop.last }}{% endfor %}.
     pub fn label(&self) -> String {
         magcomp::Status::from(*self).label().to_owned()
     }
@@ -94,7 +91,7 @@ impl {{ name }} {
     }
 }
 {% endfor %}
-{% for one in enums if not one.has_fields and one.name not in ["HeadingAid"] %}
+{% for one in enums if not one.cases|selectattr("fields")|list and one.name not in ["HeadingAid"] %}
 
 impl {{ one.name }} {
     pub(crate) fn code(self) -> i32 {
@@ -159,40 +156,4 @@ impl From<Status> for FlatStatus {
 {% endfor %}
         }
     }
-}
-
-/// One status of every kind, for comparing what JNI and what uniffi make of it.
-#[cfg(feature = "test-hooks")]
-pub(crate) fn examples() -> Vec<Status> {
-    let collecting = |missing| Status::Collecting { missing };
-    let problems = [
-{% for case in by_name.FitProblem.cases %}
-        FitProblem::{{ case.name }}{{ example(case) }},
-{% endfor %}
-    ];
-    let held = [
-{% for case in by_name.HoldReason.cases %}
-        HoldReason::{{ case.name }}{% if case.nested %} { problem: problems[2] }{% endif %},
-{% endfor %}
-    ];
-    let rejected = [
-{% for case in by_name.RejectReason.cases %}
-        RejectReason::{{ case.name }}{{ example(case) }},
-{% endfor %}
-    ];
-    let mut examples = vec![
-{% for case in by_name.Status.cases if not case.nested and case.name != "Disturbed" %}
-        Status::{{ case.name }}{{ example(case) }},
-{% endfor %}
-    ];
-{% for case in by_name.Missing.cases if not case.nested %}
-    examples.push(collecting(Missing::{{ case.name }}{{ example(case) }}));
-{% endfor %}
-    examples.extend(problems.map(|problem| collecting(Missing::Fit { problem })));
-    examples.extend(held.map(|reason| Status::Held { reason }));
-{% for case in by_name.Status.cases if case.name == "Disturbed" %}
-    examples.push(Status::{{ case.name }}{{ example(case) }});
-{% endfor %}
-    examples.extend(rejected.map(|reason| Status::Rejected { reason }));
-    examples
 }

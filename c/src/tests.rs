@@ -7,6 +7,10 @@ use crate::fit::Fit;
 use crate::grows::{Grows, fill, room};
 use crate::reading::Reading;
 use crate::settings::{Config, members};
+use crate::status::{Event, HeadingAid, told};
+use magcomp_core as core;
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// `MAGCOMP_WRITE_HEADER=1 cargo test -p magcomp-c` writes it.
@@ -86,6 +90,39 @@ fn layout_is_that_of_abi_txt() {
     let of_abi = |line: &&str| line.starts_with("struct") || line.starts_with("member");
     let listed: Vec<&str> = include_str!("../abi.txt").lines().filter(of_abi).collect();
     assert!(lines == listed, "abi.txt lists another layout than\n{}", lines.join("\n"));
+}
+
+/// The codes of the header, by the example of `tests/vectors/statuses.json` that has each.
+#[test]
+fn every_status_has_its_codes() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/vectors/statuses.json");
+    let all: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    let list = |key: &str| all[key].as_array().unwrap().iter();
+    let mut codes = ["STATUS", "REASON", "FIT_PROBLEM", "EVENT", "HEADING_AID"].map(|of| (of, BTreeSet::from([0])));
+    for case in list("statuses") {
+        let status: core::Status = ron::from_str(case["status"].as_str().unwrap()).unwrap();
+        let (kind, reason, problem, since_ns) = told(&status);
+        let its = [kind as i32, reason as i32, problem as i32];
+        assert_eq!(json!(its), case["c"], "{status:?}");
+        let since = matches!(status, core::Status::Suspect { .. } | core::Status::Disturbed { .. });
+        assert_eq!(since_ns, if since { case["whole"][0].as_i64().unwrap() } else { 0 }, "{status:?}");
+        its.into_iter().zip(&mut codes).for_each(|(code, (_, seen))| _ = seen.insert(code));
+    }
+    for case in list("events") {
+        let kind: core::EventKind = ron::from_str(case["kind"].as_str().unwrap()).unwrap();
+        assert_eq!(case["c"], Event::from(kind) as i32);
+        codes[3].1.insert(Event::from(kind) as i32);
+    }
+    for case in list("heading_aids") {
+        let aid: core::HeadingAid = ron::from_str(case["name"].as_str().unwrap()).unwrap();
+        assert_eq!(case["c"], HeadingAid::from(aid) as i32);
+        codes[4].1.insert(HeadingAid::from(aid) as i32);
+    }
+    for (of, seen) in codes {
+        let its = |line: &str| line.strip_prefix(&format!("case MAGCOMP_{of}_"))?.rsplit_once(' ')?.1.parse().ok();
+        let listed: BTreeSet<i32> = include_str!("../abi.txt").lines().filter_map(its).collect();
+        assert_eq!(seen, listed, "{of}: statuses.json and abi.txt");
+    }
 }
 
 /// A struct to which a later version appended `later`.

@@ -171,8 +171,10 @@ def test_typed_settings_are_those_that_there_are():
 
 
 def test_typed_statuses_are_those_that_all_languages_have():
-    facts = json.loads((ROOT / "tests/vectors/facts.json").read_text())
-    assert set(typing.get_args(magcomp.Status)) == {it["label"] for it in facts["statuses"]}
+    known = json.loads((ROOT / "tests/vectors/statuses.json").read_text())
+    assert set(typing.get_args(magcomp.Status)) == {it["label"] for it in known["statuses"]}
+    assert list(typing.get_args(magcomp.EventKind)) == [it["kind"] for it in known["events"]]
+    assert list(typing.get_args(magcomp.HeadingAid)) == [it["name"].lower() for it in known["heading_aids"]]
 
 
 def test_points_that_no_ellipsoid_fits_are_refused():

@@ -3,7 +3,11 @@
 import dataclasses
 import importlib
 import math
+import os
+import pathlib
 import re
+import shutil
+import subprocess
 import sys
 import xml.etree.ElementTree
 
@@ -203,3 +207,14 @@ def test_launch_and_parameter_file_name_what_there_is(make):
     page = (ROOT / "ros2/README.md").read_text()
     assert all(f"`{topic}`" in page for topic in topics) and all(f"`{name}`" in page for name in parameters)
     assert re.findall(r'version="?(?:>)?([0-9.]+)', setup) == [magcomp.__version__]
+
+
+def test_colcon_builds_what_ros2_launch_looks_for(tmp_path):
+    shutil.copytree(ROOT / "ros2", tmp_path / "src/magcomp_ros")
+    folder = pathlib.Path(sys.executable).parent
+    environment = {**os.environ, "PATH": f"{folder}:{os.environ['PATH']}", "COLCON_HOME": str(tmp_path)}
+    subprocess.run([folder / "colcon", "build"], cwd=tmp_path, env=environment, check=True, timeout=300)
+    installed = tmp_path / "install/magcomp_ros"
+    assert os.access(installed / "lib/magcomp_ros/compass", os.X_OK)
+    for file in ("launch/compass.launch.xml", "config/compass.yaml", "package.xml"):
+        assert (installed / "share/magcomp_ros" / file).read_bytes() == (ROOT / "ros2" / file).read_bytes()

@@ -1,13 +1,14 @@
 //! The facts every language of the library agrees on: gauge, signs, units, statuses, errors. Kotlin and Swift assert the
-//! same file.
+//! same files.
 
 use magcomp::nalgebra::{Quaternion, Vector3};
 use magcomp::{
-    Axis, Calibration, Compensator, Config, ConstantField, Event, EventKind, EventRejection, FitError, FitOptions,
-    HoldReason, KeptCalibration, MagneticSample, Missing, ReferenceAxis, RejectReason, RotationRateSample,
+    Calibration, Compensator, Config, ConstantField, Event, EventKind, EventRejection, FitError, FitOptions,
+    HeadingAid, HoldReason, KeptCalibration, MagneticSample, Missing, ReferenceAxis, RejectReason, RotationRateSample,
     ScreenRotation, Status, UpSample, WindowedConfig, attitude, heading, true_heading_deg,
 };
 use magcomp_tests::{symmetric, vectors};
+use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 fn facts() -> Value {
@@ -112,57 +113,54 @@ fn units_by_their_limits() {
     assert_eq!(up(2, beyond), Err(EventRejection::OutOfRange));
 }
 
-#[test]
-fn statuses() {
-    let poor = FitError::PoorCoverage { direction_sigma_deg: 12.5, limit_deg: 10.0 };
-    let problems = [
-        FitError::TooFewSamples { have: 8 },
-        FitError::Planar { thickness_ut: 0.5 },
-        poor,
-        FitError::Inconsistent { residual_ut: 7.5, limit_ut: 2.5 },
-        FitError::NotAnEllipsoid,
-        FitError::FieldOutOfRange { field_ut: 90.0, low_ut: 22.0, high_ut: 67.0 },
-        FitError::NotFinite,
-    ];
-    let held = [
-        HoldReason::LowUniformity,
-        HoldReason::FitRefused(poor),
-        HoldReason::Constant,
-        HoldReason::AtRest,
-        HoldReason::TooLittleRotation,
-        HoldReason::NoGyroscope,
-    ];
-    let rejected = [
-        RejectReason::NotFinite,
-        RejectReason::OutOfRange { value_ut: -2500.0, limit_ut: 2000.0 },
-        RejectReason::Saturated { axis: Axis::X, value_ut: 1300.0, rail_ut: 1299.5 },
-        RejectReason::TimeNotAfter { time_ns: 7, latest_ns: 8 },
-        RejectReason::TimeJump { gap_s: 1e6, limit_s: 604_800.0 },
-        RejectReason::Stuck { repeats: 50 },
-        RejectReason::Axes { x: 2, y: -1, z: 3 },
-    ];
-    let mut ours = vec![Status::Collecting(Missing::Samples { have: 60, need: 100 })];
-    ours.extend(problems.map(|problem| Status::Collecting(Missing::Fit(problem))));
-    ours.extend([Missing::Rotation, Missing::Directions].map(Status::Collecting));
-    ours.extend([Status::Tracking, Status::Suspect { since_ns: 1 }]);
-    ours.extend(held.map(Status::Held));
-    ours.push(Status::Disturbed { since_ns: 1 });
-    ours.extend(rejected.map(Status::Rejected));
-    let ours: Vec<_> = ours.iter().map(|status| (status.label().to_owned(), status.to_string())).collect();
-    let facts = facts();
-    let facts: Vec<_> = list(&facts, "statuses")
-        .iter()
-        .map(|status| (text(&status["label"]).to_owned(), text(&status["text"]).to_owned()))
-        .collect();
-    assert_eq!(ours, facts);
+/// What Rust calls the cases of an enum.
+fn cases<T: DeserializeOwned>() -> &'static [&'static str] {
+    match ron::from_str::<T>("none_of_them").map_err(|error| error.code) {
+        Err(ron::Error::NoSuchEnumVariant { expected, .. }) => expected,
+        _ => panic!("no enum"),
+    }
 }
 
 #[test]
-fn events() {
-    for case in list(&facts(), "events") {
-        let kind: EventKind = serde_json::from_value(case["kind"].clone()).unwrap();
+fn statuses() {
+    let all: Value = vectors("statuses.json");
+    for case in list(&all, "statuses") {
+        let status: Status = ron::from_str(text(&case["status"])).unwrap();
+        assert_eq!([status.label(), &status.to_string()], [text(&case["label"]), text(&case["en"])]);
+    }
+    let has = |within: &str, name: &str| {
+        let mut rests = list(&all, "statuses")
+            .iter()
+            .filter_map(|case| text(&case["status"]).strip_prefix(within)?.strip_prefix(name));
+        rests.any(|rest| !rest.starts_with(char::is_alphanumeric))
+    };
+    for (within, cases) in [
+        ("", cases::<Status>()),
+        ("Collecting(", cases::<Missing>()),
+        ("Collecting(Fit(", cases::<FitError>()),
+        ("Held(", cases::<HoldReason>()),
+        ("Rejected(", cases::<RejectReason>()),
+    ] {
+        for name in cases {
+            assert!(has(within, name), "statuses.json has no {within}{name}");
+        }
+    }
+}
+
+#[test]
+fn events_and_heading_aids() {
+    let all: Value = vectors("statuses.json");
+    let names =
+        |key: &str, name: &str| list(&all, key).iter().map(|case| text(&case[name]).to_owned()).collect::<Vec<_>>();
+    assert_eq!(names("events", "kind"), cases::<EventKind>());
+    assert_eq!(names("heading_aids", "name"), cases::<HeadingAid>());
+    for case in list(&all, "events") {
+        let kind: EventKind = ron::from_str(text(&case["kind"])).unwrap();
         let [since_ns, decided_ns] = ["since_ns", "decided_ns"].map(|key| case[key].as_i64().unwrap());
-        assert_eq!(Event { kind, since_ns, decided_ns }.to_string(), text(&case["text"]));
+        assert_eq!(Event { kind, since_ns, decided_ns }.to_string(), text(&case["en"]));
+    }
+    for case in list(&all, "heading_aids") {
+        assert_eq!(ron::from_str::<HeadingAid>(text(&case["name"])).unwrap().to_string(), text(&case["en"]));
     }
 }
 

@@ -1,5 +1,5 @@
 // swift-format-ignore-file
-// made by bindings/generate.sh from bindings/status.toml and bindings/texts
+// made by bindings/generate.sh from bindings/status.toml and bindings/texts.toml
 
 /// The package's English `Localizable.strings`.
 let englishTexts: [String: String] = [

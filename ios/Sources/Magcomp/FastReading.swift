@@ -132,16 +132,15 @@ extension CompensationStatus.HoldReason {
 
 extension CompensationStatus.RejectReason {
     fileprivate init(_ c: MagcompStatus) {
-        let (a, b, third) = c.real
         self =
             switch c.reason {
             case 0: .notFinite
-            case 1: .outOfRange(valueUt: a, limitUt: b)
-            case 2: .saturated(axis: DeviceVector.Axis(c.whole.0), valueUt: a, railUt: b)
+            case 1: .outOfRange(valueUt: c.real.0, limitUt: c.real.1)
+            case 2: .saturated(axis: DeviceVector.Axis(c.whole.0), valueUt: c.real.0, railUt: c.real.1)
             case 3: .timeNotAfter(timeNs: c.whole.0, latestNs: c.whole.1)
-            case 4: .timeJump(gapS: a, limitS: b)
+            case 4: .timeJump(gapS: c.real.0, limitS: c.real.1)
             case 5: .stuck(repeats: Int(clamping: c.whole.0))
-            case 6: .axes(x: axis(a), y: axis(b), z: axis(third))
+            case 6: .axes(x: axis(c.real.0), y: axis(c.real.1), z: axis(c.real.2))
             default: unknown("reject reason", c.reason)
             }
     }
@@ -149,15 +148,14 @@ extension CompensationStatus.RejectReason {
 
 extension CompensationStatus.FitProblem {
     fileprivate init(_ c: MagcompStatus) {
-        let (a, b, third) = c.real
         self =
             switch c.problem {
             case 0: .tooFewSamples(have: Int(clamping: c.whole.0))
-            case 1: .planar(thicknessUt: a)
-            case 2: .poorCoverage(directionSigmaDeg: a, limitDeg: b)
-            case 3: .inconsistent(residualUt: a, limitUt: b)
+            case 1: .planar(thicknessUt: c.real.0)
+            case 2: .poorCoverage(directionSigmaDeg: c.real.0, limitDeg: c.real.1)
+            case 3: .inconsistent(residualUt: c.real.0, limitUt: c.real.1)
             case 4: .notAnEllipsoid
-            case 5: .fieldOutOfRange(fieldUt: a, lowUt: b, highUt: third)
+            case 5: .fieldOutOfRange(fieldUt: c.real.0, lowUt: c.real.1, highUt: c.real.2)
             case 6: .notFinite
             default: unknown("fit problem", c.problem)
             }

@@ -1,6 +1,6 @@
 import Foundation
 
-// `Localizable.strings` is made of bindings/status.toml and bindings/texts, as Android's string resources are. In English a text of a status is
+// `Localizable.strings` is made of bindings/status.toml and bindings/texts.toml, as Android's string resources are. In English a text of a status is
 // the core's own, without a call into the native library.
 
 extension CompassState {

@@ -64,35 +64,6 @@ import Testing
         }
     }
 
-    @Test func everyStatusIsReadFromCAsUniffiHasIt() throws {
-        let poor = CompensationStatus.FitProblem.poorCoverage(directionSigmaDeg: 12.5, limitDeg: 10)
-        let problems: [CompensationStatus.FitProblem] = [
-            .tooFewSamples(have: 8), .planar(thicknessUt: 0.5), poor, .inconsistent(residualUt: 7.5, limitUt: 2.5),
-            .notAnEllipsoid, .fieldOutOfRange(fieldUt: 90, lowUt: 22, highUt: 67), .notFinite,
-        ]
-        let held: [CompensationStatus.HoldReason] = [
-            .lowUniformity, .fitRefused(problem: poor), .constant, .atRest, .tooLittleRotation, .noGyroscope,
-        ]
-        let rejected: [CompensationStatus.RejectReason] = [
-            .notFinite, .outOfRange(valueUt: -2500, limitUt: 2000), .saturated(axis: .z, valueUt: 1300, railUt: 1299.5),
-            .timeNotAfter(timeNs: 7, latestNs: 9_007_199_254_740_993), .timeJump(gapS: 1e6, limitS: 604_800),
-            .stuck(repeats: 50), .axes(x: 2, y: -1, z: 3),
-        ]
-        var expected: [CompensationStatus] = [.tracking, .suspect(sinceNs: -9_007_199_254_740_993)]
-        expected += [.samples(have: 60, need: 100), .rotation, .directions].map { .collecting(missing: $0) }
-        expected += problems.map { .collecting(missing: .fit(problem: $0)) }
-        expected += held.map { .held(reason: $0) }
-        expected.append(.disturbed(sinceNs: Int64.min + 1))
-        expected += rejected.map { .rejected(reason: $0) }
-        #expect(Int(magcomp_test_status(-1, nil)) == expected.count)
-        for (index, status) in expected.enumerated() {
-            var out = MagcompStatus()
-            _ = magcomp_test_status(Int32(index), &out)
-            #expect(CompensationStatus(out) == status)
-            #expect(status.text.hasPrefix(status.label))
-        }
-    }
-
     @Test func aConfigOutOfRangeIsATypedError() {
         #expect(
             throws: MagcompError.config(field: "windowed.n_min", value: "3", expected: "at least 9 samples")

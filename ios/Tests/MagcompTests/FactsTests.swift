@@ -31,14 +31,14 @@ import Testing
         }
         struct Words: Decodable {
             let name: String
-            let label, text, begins: String?
+            let text, begins: String?
         }
         let correct: [Correct]
         let noCalibration: [NoCalibration]
         let gauge: Gauge
         let headings: [Attitude]
         let limits: Limits
-        let statuses, eventRejections, errors, borderErrors: [Words]
+        let eventRejections, errors, borderErrors: [Words]
     }
 
     let facts: Facts
@@ -140,30 +140,6 @@ import Testing
     }
 
     struct Unexpected: Error {}
-
-    @Test func statuses() {
-        let poor = CompensationStatus.FitProblem.poorCoverage(directionSigmaDeg: 12.5, limitDeg: 10)
-        let problems: [CompensationStatus.FitProblem] = [
-            .tooFewSamples(have: 8), .planar(thicknessUt: 0.5), poor, .inconsistent(residualUt: 7.5, limitUt: 2.5),
-            .notAnEllipsoid, .fieldOutOfRange(fieldUt: 90, lowUt: 22, highUt: 67), .notFinite,
-        ]
-        let held: [CompensationStatus.HoldReason] = [
-            .lowUniformity, .fitRefused(problem: poor), .constant, .atRest, .tooLittleRotation, .noGyroscope,
-        ]
-        let rejected: [CompensationStatus.RejectReason] = [
-            .notFinite, .outOfRange(valueUt: -2500, limitUt: 2000), .saturated(axis: .x, valueUt: 1300, railUt: 1299.5),
-            .timeNotAfter(timeNs: 7, latestNs: 8), .timeJump(gapS: 1e6, limitS: 604_800), .stuck(repeats: 50),
-            .axes(x: 2, y: -1, z: 3),
-        ]
-        var ours: [CompensationStatus] = [.collecting(missing: .samples(have: 60, need: 100))]
-        ours += problems.map { .collecting(missing: .fit(problem: $0)) }
-        ours += [.collecting(missing: .rotation), .collecting(missing: .directions), .tracking, .suspect(sinceNs: 1)]
-        ours += held.map { .held(reason: $0) }
-        ours.append(.disturbed(sinceNs: 1))
-        ours += rejected.map { .rejected(reason: $0) }
-        #expect(ours.map { $0.label } == facts.statuses.map(\.label))
-        #expect(ours.map { $0.text } == facts.statuses.map(\.text))
-    }
 
     @Test func errors() throws {
         let rejections: [MagcompError.EventRejection] = [.notFinite, .outOfRange, .late, .duplicate, .ahead]

@@ -95,6 +95,10 @@ final class CameraHelp: NSObject, ARSessionDelegate {
 }
 #endif
 
+#if canImport(Bridges)
+@testable import Bridges
+#endif
+
 @Suite struct SnippetTests {
     private let catalog = "ios/Sources/Magcomp/Magcomp.docc"
 
@@ -112,19 +116,39 @@ final class CameraHelp: NSObject, ARSessionDelegate {
         // SwiftUI and UIKit are not on Linux: the tutorial's last file, which is parsed, and the sample have these
         let view = lines(try text("\(catalog)/Resources/CompassView-3.swift"))
         let sample = lines(try text("ios/Sample/Compass.swiftpm/CompassView.swift"))
+        let bridges = lines(try text("ios/Tests/Bridges/Bridges.swift"))
         let pages = try FileManager.default.contentsOfDirectory(atPath: repository.appendingPathComponent(catalog).path)
             .filter { $0.hasSuffix(".md") }.map { "\(catalog)/\($0)" }
         var count = 0
-        for page in pages + ["ios/README.md"] {
-            for block in try text(page).components(separatedBy: "```swift\n").dropFirst() {
+        for page in pages + ["ios/README.md", "docs/FRAMEWORKS.md"] {
+            // Linux has no Objective-C
+            let shown = try text(page).replacingOccurrences(of: "@objc(Magcomp) ", with: "")
+            for block in shown.components(separatedBy: "```swift\n").dropFirst() {
                 let code = lines(try #require(block.components(separatedBy: "```").first))
-                let isThere = [here, view, sample].contains { $0.contains(code) }
+                let isThere = [here, view, sample, bridges].contains { $0.contains(code) }
                 #expect(isThere, "\(page): \(code)")
                 count += 1
             }
         }
         #expect(count > 10, "\(count)")
     }
+
+    #if canImport(Bridges)
+    /// The stand-in's phone has no sensors before a test plays some.
+    @MainActor @Test func theBridgesTellReactNativeAndFlutterWhatIsMissing() async throws {
+        let (module, handler) = (MagcompModule(), HeadingHandler())
+        var heard: [[String: Any]] = []
+        module.startObserving()
+        #expect(handler.onListen(withArguments: nil) { heard.append($0 as? [String: Any] ?? [:]) } == nil)
+        try await eventually { !module.sent.isEmpty && !heard.isEmpty }
+        module.stopObserving()
+        #expect(handler.onCancel(withArguments: nil) == nil)
+        for told in [module.sent[0], heard[0]] {
+            #expect(told.keys.sorted() == ["headingDeg", "sigmaDeg", "text"])
+            #expect(told["headingDeg"] as? Double == nil && told["text"] as? String == "the magnetometer delivers nothing")
+        }
+    }
+    #endif
 
     @Test func aLandmarkThatNobodyReadsChangesNothing() throws {
         try onLandmark(Compass(source: Played(events: [])), bearingDeg: 10)

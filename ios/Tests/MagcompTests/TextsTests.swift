@@ -4,49 +4,6 @@ import Testing
 
 /// The English texts, which come from `Localizable.strings`, are the core's own words.
 struct TextsTests {
-    struct Facts: Decodable {
-        struct Event: Decodable {
-            let kind, text: String
-            let sinceNs, decidedNs: Int64
-        }
-
-        let events: [Event]
-    }
-
-    func statuses(_ random: inout SystemRandomNumberGenerator) -> [CompensationStatus] {
-        // never half way between two decimals
-        func real() -> Double { .random(in: -3000...3000, using: &random) }
-        func whole() -> Int { .random(in: 0...10_000, using: &random) }
-        let axes = [1, 2, 3].shuffled(using: &random).map { (axis: Int) in Bool.random(using: &random) ? axis : -axis }
-        let problems: [CompensationStatus.FitProblem] = [
-            .tooFewSamples(have: whole()), .planar(thicknessUt: real()),
-            .poorCoverage(directionSigmaDeg: real(), limitDeg: real()),
-            .inconsistent(residualUt: real(), limitUt: real()), .notAnEllipsoid,
-            .fieldOutOfRange(fieldUt: real(), lowUt: real(), highUt: real()), .notFinite,
-        ]
-        let held: [CompensationStatus.HoldReason] = [.lowUniformity, .constant, .atRest, .tooLittleRotation, .noGyroscope]
-        let rejected: [CompensationStatus.RejectReason] = [
-            .notFinite, .outOfRange(valueUt: real(), limitUt: real()),
-            .saturated(axis: [.x, .y, .z].randomElement(using: &random)!, valueUt: real(), railUt: real()),
-            .timeNotAfter(timeNs: .random(in: .min ... .max), latestNs: .random(in: .min ... .max)),
-            .timeJump(gapS: real(), limitS: 604_800), .stuck(repeats: whole()),
-            .axes(x: axes[0], y: axes[1], z: axes[2]),
-        ]
-        var all: [CompensationStatus] = [.tracking, .suspect(sinceNs: 1), .disturbed(sinceNs: 1)]
-        all.append(.collecting(missing: .samples(have: whole(), need: whole())))
-        all += [.collecting(missing: .rotation), .collecting(missing: .directions)]
-        all += problems.flatMap { [.collecting(missing: .fit(problem: $0)), .held(reason: .fitRefused(problem: $0))] }
-        all += held.map { .held(reason: $0) }
-        return all + rejected.map { .rejected(reason: $0) }
-    }
-
-    @Test func statuses() {
-        var random = SystemRandomNumberGenerator()
-        for _ in 0..<200 {
-            for status in statuses(&random) { #expect(status.localizedText == status.text) }
-        }
-    }
-
     /// An app may make or decode what the core never says.
     @Test(arguments: [0, 4, -4, .max, .min]) func numbersThatAreNoneHaveATextToo(number: Int) throws {
         let whole: [CompensationStatus] = [
@@ -79,18 +36,6 @@ struct TextsTests {
         for sinceNs in [Int64.min, 0, .max] {
             let event = FieldEvent(kind: .deviceStep, sinceNs: sinceNs, decidedNs: Int64(number))
             #expect(event.localizedText.hasPrefix("the device's own disturbance changed"))
-        }
-    }
-
-    @Test func events() throws {
-        let facts: Facts = try vectors("facts.json")
-        let kinds: [String: FieldEvent.Kind] = [
-            "DeviceStep": .deviceStep, "DeviceStepBack": .deviceStepBack, "PlaceChanged": .placeChanged,
-        ]
-        #expect(Set(facts.events.map(\.kind)) == Set(kinds.keys))
-        for fact in facts.events {
-            let event = FieldEvent(kind: try #require(kinds[fact.kind]), sinceNs: fact.sinceNs, decidedNs: fact.decidedNs)
-            #expect(event.localizedText == fact.text)
         }
     }
 

@@ -1,6 +1,7 @@
 //! The files that are made: their paths in the repository and what stands in them.
 
-use crate::{codes, config, reading, table, texts, view};
+use crate::names::{camel, snake};
+use crate::{config, reading, table, texts};
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment, UndefinedBehavior, Value};
@@ -20,7 +21,6 @@ const WHOLE: &[(&str, &str)] = &[
     ("slots.rs", "rust/magcomp-ffi/src/fast/slots.rs"),
     ("config_core.rs", "rust/magcomp/src/config.rs"),
     ("config.rs", "rust/magcomp-ffi/src/config/records.rs"),
-    ("choices.rs", "rust/magcomp-ffi/src/choices.rs"),
     ("config_c.rs", "c/src/settings.rs"),
     ("settings.py", "python/magcomp/_settings.py"),
     ("Builders.kt", "android/library/src/main/kotlin/org/magcomp/core/Builders.kt"),
@@ -42,14 +42,14 @@ const PARTS: &[(&str, &[&str])] = &[
 /// All that a template may ask for.
 #[derive(Serialize)]
 struct Values {
-    enums: Vec<view::EnumView>,
+    enums: Vec<table::Enum>,
     /// The same by their names.
-    by_name: BTreeMap<String, view::EnumView>,
+    by_name: BTreeMap<String, table::Enum>,
     reading: reading::Layout,
     /// What settings choose from.
-    choices: Vec<view::EnumView>,
-    settings: Vec<config::GroupView>,
-    members: Vec<config::FieldView>,
+    choices: Vec<table::Enum>,
+    settings: Vec<config::Group>,
+    members: Vec<config::Field>,
 }
 
 /// Folders in which there is nothing but what is made here.
@@ -61,46 +61,24 @@ fn content(root: &Path, path: &str) -> Result<String, String> {
 
 /// All that is made of the tables in this repository.
 pub fn files(root: &Path) -> Result<Vec<File>, String> {
-    let enums = table::read(&content(root, "bindings/status.toml")?)?;
-    let mut languages = Vec::new();
-    for path in below(root, "bindings/texts")? {
-        let language = path.strip_prefix("bindings/texts/").and_then(|name| name.strip_suffix(".txt"));
-        let is_code = |code: &str, least: usize, most: usize| {
-            (least..=most).contains(&code.len()) && code.bytes().all(|b| b.is_ascii_alphabetic())
-        };
-        let known = language.filter(|it| {
-            it.split_once('-')
-                .map_or_else(|| is_code(it, 2, 3), |(code, region)| is_code(code, 2, 3) && is_code(region, 2, 2))
-        });
-        let language = known.ok_or_else(|| format!("{path}: expected a language's code, as de.txt or pt-BR.txt"))?;
-        languages.push((language.to_owned(), content(root, &path)?));
-    }
-    let all = texts::read(&enums, &languages)?;
-    let codes_of_languages: Vec<String> = languages.into_iter().map(|(code, _)| code).collect();
-    if let Some(unknown) =
-        all.iter().flat_map(|text| text.languages.keys()).find(|code| !codes_of_languages.contains(code))
-    {
-        return Err(format!("bindings/status.toml has a text.{unknown}, and there is no bindings/texts/{unknown}.txt"));
-    }
-    for case in enums.iter().flat_map(|one| &one.cases) {
-        if let Some(name) = case.guidance.as_ref().filter(|name| !all.iter().any(|text| text.name == **name)) {
-            return Err(format!(
-                "bindings/status.toml: {} has the guidance {name}, which bindings/texts/en.txt does not have",
-                case.name
-            ));
-        }
-    }
-    let mut made = texts::files(&all, &codes_of_languages);
-    // the page is empty before the first time
-    let page = content(root, "bindings/codes.txt").unwrap_or_default();
     let renamed = names(root, &["bindings", "kotlin", "rename"])?;
     let nested = names(root, &["swift", "nested"])?;
+    let mut enums = table::read(&content(root, "bindings/status.toml")?)?;
     let config::Settings { choices, groups: settings, members } =
-        config::read(&content(root, "bindings/config.toml")?, &renamed)?;
-    made.push(("bindings/codes.txt".to_owned(), codes::updated(&page, &[&enums[..], &choices].concat())?));
-
-    let reading = reading::read(&content(root, "bindings/reading.toml")?, &enums, &renamed)?;
-    let (enums, choices) = (view::enums(&enums, &renamed)?, view::enums(&choices, &renamed)?);
+        config::read(&content(root, "bindings/config.toml")?)?;
+    let reading = reading::read(&content(root, "bindings/reading.toml")?, &enums)?;
+    let all = texts::read(&enums, &content(root, "bindings/texts.toml")?)?;
+    for case in enums.iter_mut().flat_map(|one| &mut one.cases) {
+        let Some(name) = &case.guidance else { continue };
+        let text = all.iter().find(|text| text.name == *name).ok_or_else(|| {
+            format!(
+                "bindings/status.toml: {} has the guidance {name}, which bindings/texts.toml does not have",
+                case.name
+            )
+        })?;
+        case.remedy.get_or_insert_with(|| text.as_a_clause());
+    }
+    let mut made = texts::files(&all);
     let by_name = enums.iter().chain(&choices).map(|one| (one.name.clone(), one.clone())).collect();
     let values = Value::from(Serde(Values { enums, by_name, reading, choices, settings, members }));
     let mut environment = Environment::new();
@@ -108,7 +86,15 @@ pub fn files(root: &Path) -> Result<Vec<File>, String> {
     environment.set_syntax(syntax.expect("the usual delimiters"));
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     environment.set_auto_escape_callback(|_| AutoEscape::None);
-    environment.add_filter("swift", move |name: String| nested.get(&name).cloned().unwrap_or(name));
+    environment.add_filter("snake", |name: &str| snake(name));
+    environment.add_filter("camel", |name: &str| camel(name));
+    let app = move |name: &str| renamed.get(name).map_or(name, String::as_str).to_owned();
+    environment.add_filter("app", app.clone());
+    // as `app`, but for a type that Swift puts into another one
+    environment.add_filter("swift", move |name: &str| {
+        let name = app(name);
+        nested.get(&name).cloned().unwrap_or(name)
+    });
     let rendered = |template: &str| -> Result<String, String> {
         let source = content(root, &format!("bindings/templates/{template}"))?;
         environment

@@ -1,14 +1,13 @@
-//! `magcomp-bindings` writes what every language says of a status, and the settings, from the tables `bindings/*.toml`, `bindings/texts` and
+//! `magcomp-bindings` writes what every language says of a status, and the settings, from the tables `bindings/*.toml` and
 //! `bindings/templates`, into the repository that is the current directory; `magcomp-bindings --check` fails where a file is not what it would write.
 
-mod codes;
 mod config;
 mod made;
 mod names;
+mod placeholders;
 mod reading;
 mod table;
 mod texts;
-mod view;
 
 use std::path::Path;
 use std::process::ExitCode;

@@ -1,20 +1,24 @@
-//! `bindings/status.toml`: every enum that says what the library is doing, its cases, and what each says in every language.
+//! `bindings/status.toml`: every enum that says what the library is doing, its cases, and what each says in every language, as templates ask for it. What
+//! serde skips follows from the rest.
 
-use serde::Deserialize;
+use crate::names::snake;
+use crate::placeholders::placeholders;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Kinds of fields that are no enum of the table.
-pub const PLAIN_KINDS: [&str; 5] = ["count", "time", "real", "axis", "signed_axis"];
+const PLAIN_KINDS: [&str; 5] = ["count", "time", "real", "axis", "signed_axis"];
 
 /// An enum of the border.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Enum {
-    #[serde(default)]
+    #[serde(skip_deserializing)]
     pub name: String,
     pub meaning: String,
-    /// Its name in the core, where that is another.
-    pub core: Option<String>,
+    /// Its name in the core.
+    #[serde(default)]
+    pub core: String,
     /// The case that the core's default is.
     pub default: Option<String>,
     /// Whether the core's may get more cases: of settings.
@@ -31,12 +35,12 @@ pub struct Enum {
 }
 
 /// One of its cases.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
     pub name: String,
     /// On the wire: as uniffi does, by the order of the cases.
-    #[serde(skip)]
+    #[serde(skip_deserializing)]
     pub code: i32,
     pub c: Option<i32>,
     pub meaning: String,
@@ -48,23 +52,36 @@ pub struct Case {
     pub fields: Vec<Field>,
     #[serde(default)]
     pub text: BTreeMap<String, String>,
+    /// The meaning, and the hint for developers.
+    #[serde(skip_deserializing)]
+    document: String,
+    /// The enum that is all the case carries.
+    #[serde(skip_deserializing)]
+    nested: Option<Field>,
+    /// The status that has it as its reason.
+    #[serde(skip_deserializing)]
+    under: Option<String>,
+    /// What the core says, as Rust formats it; of an event without how long it took.
+    #[serde(skip_deserializing)]
+    says: Option<String>,
+    /// Name of its text; none where its field says it all.
+    #[serde(skip_deserializing)]
+    pub key: Option<String>,
+    /// What the text's placeholders stand for, in their order.
+    #[serde(skip_deserializing)]
+    told: Vec<Field>,
 }
 
 /// What a case carries.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Field {
     pub name: String,
     pub kind: String,
     pub meaning: String,
-    pub example: Option<toml::Value>,
-}
-
-impl Case {
-    /// The enum that is all the case carries, by the table's name.
-    pub fn nested(&self) -> Option<&Field> {
-        self.fields.iter().find(|field| !PLAIN_KINDS.contains(&field.kind.as_str()))
-    }
+    /// Which of the whole numbers or reals of a status it is.
+    #[serde(skip_deserializing)]
+    place: usize,
 }
 
 /// A number of the table as Rust has it.
@@ -87,50 +104,104 @@ pub fn enums(file: &str, table: toml::Table) -> Result<Vec<Enum>, String> {
     for (name, value) in table {
         let mut one: Enum = value.try_into().map_err(|error| format!("{file}: {name}: {error}"))?;
         one.name = name;
-        for (case, code) in one.cases.iter_mut().zip(one.first..) {
-            case.code = code;
-        }
         enums.push(one);
     }
-    for one in &enums {
-        one.check(&enums).map_err(|why| format!("{file}: {}{why}", one.name))?;
+    let names: Vec<String> = enums.iter().map(|one| one.name.clone()).collect();
+    for one in &mut enums {
+        one.complete(&names).map_err(|why| format!("{file}: {}{why}", one.name))?;
+    }
+    let statuses =
+        enums.iter().filter(|one| one.name == "Status").flat_map(|one| one.cases.clone()).collect::<Vec<_>>();
+    for (status, why) in statuses.iter().filter_map(|status| status.nested.as_ref().map(|why| (status, why))) {
+        for case in enums.iter_mut().filter(|one| one.name == why.kind).flat_map(|one| &mut one.cases) {
+            case.under = Some(status.name.clone());
+        }
     }
     Ok(enums)
 }
 
 impl Enum {
-    fn check(&self, all: &[Enum]) -> Result<(), String> {
-        for (k, case) in self.cases.iter().enumerate() {
-            let refuse = |why: String| Err(format!(".{}: {why}", case.name));
-            if self.cases[..k].iter().any(|other| other.name == case.name) {
-                return refuse("it is there twice".to_owned());
+    /// Checks it, and fills in what follows.
+    fn complete(&mut self, all: &[String]) -> Result<(), String> {
+        if self.core.is_empty() {
+            self.core.clone_from(&self.name);
+        }
+        let says_any = self.cases.iter().any(|case| !case.text.is_empty());
+        for k in 0..self.cases.len() {
+            let (before, rest) = self.cases.split_at_mut(k);
+            let case = &mut rest[0];
+            case.code = self.first + k as i32;
+            if before.iter().any(|other| other.name == case.name) {
+                return Err(format!(".{}: it is there twice", case.name));
             }
-            if case.fields.len() > 1 && case.nested().is_some() {
-                return refuse("an enum is the only field of its case".to_owned());
+            case.complete(self.texts.as_deref(), says_any, all).map_err(|why| format!(".{}: {why}", case.name))?;
+        }
+        Ok(())
+    }
+}
+
+fn is_real(field: &Field) -> bool {
+    ["real", "signed_axis"].contains(&field.kind.as_str())
+}
+
+impl Case {
+    fn complete(&mut self, texts: Option<&str>, says_any: bool, all: &[String]) -> Result<(), String> {
+        self.nested = self.fields.iter().find(|field| !PLAIN_KINDS.contains(&field.kind.as_str())).cloned();
+        if let Some(nested) = &self.nested {
+            if self.fields.len() > 1 {
+                return Err("an enum is the only field of its case".to_owned());
             }
-            for (k, field) in case.fields.iter().enumerate() {
-                if case.fields[..k].iter().any(|other| other.name == field.name) {
-                    return refuse(format!("field {} is there twice", field.name));
-                }
-                let is_enum = all.iter().any(|one| one.name == field.kind);
-                if !is_enum && !PLAIN_KINDS.contains(&field.kind.as_str()) {
-                    return refuse(format!(
-                        "field {} has the kind {}, expected {PLAIN_KINDS:?} or an enum of the table",
-                        field.name, field.kind
-                    ));
-                }
-                if !is_enum && field.example.is_none() {
-                    return refuse(format!("field {} has no example", field.name));
-                }
+            if !all.contains(&nested.kind) {
+                let (name, kind) = (&nested.name, &nested.kind);
+                return Err(format!(
+                    "field {name} has the kind {kind}, expected {PLAIN_KINDS:?} or an enum of the table"
+                ));
             }
-            let count =
-                |kinds: &[&str]| case.fields.iter().filter(|field| kinds.contains(&field.kind.as_str())).count();
-            if count(&["count", "time", "axis"]) > 2 || count(&["real", "signed_axis"]) > 3 {
-                return refuse("the border carries two whole numbers and three others".to_owned());
+        }
+        let (mut wholes, mut reals) = (0, 0);
+        for k in 0..self.fields.len() {
+            let (before, rest) = self.fields.split_at_mut(k);
+            if before.iter().any(|other| other.name == rest[0].name) {
+                return Err(format!("field {} is there twice", rest[0].name));
             }
-            if self.texts.is_some() && case.nested().is_none() && !case.text.contains_key("en") {
-                return refuse("it has no text.en".to_owned());
-            }
+            let count = if is_real(&rest[0]) { &mut reals } else { &mut wholes };
+            rest[0].place = *count;
+            *count += 1;
+        }
+        if wholes > 2 || reals > 3 {
+            return Err("the border carries two whole numbers and three others".to_owned());
+        }
+        self.document = self.developers.as_ref().map_or_else(
+            || self.meaning.clone(),
+            |hint| {
+                format!(
+                    "{} {}{}{}",
+                    self.meaning,
+                    hint[..1].to_uppercase(),
+                    &hint[1..],
+                    if hint.ends_with('?') { "" } else { "." }
+                )
+            },
+        );
+        let Some(english) = self.text.get("en") else {
+            self.says = self.nested.as_ref().filter(|_| says_any).map(|_| "{0}".to_owned());
+            let lacks = texts.is_some() && self.nested.is_none();
+            return if lacks { Err("it has no text.en".to_owned()) } else { Ok(()) };
+        };
+        // an event's own text ends before how long it took
+        let said = english.strip_suffix(" in {took_s:.1} s").unwrap_or(english);
+        let said = said.replace(":int}", "}").replace("{axes:text}", "{}");
+        let nested = self.nested.as_ref().map_or_else(String::new, |nested| format!("{{{}:text}}", nested.name));
+        self.says = Some(if nested.is_empty() { said } else { said.replace(&nested, "{0}") }.replace(":text}", "}"));
+        self.key = texts.map(|begins| format!("{begins}_{}", snake(&self.name)));
+        for placeholder in placeholders(english)? {
+            let name = placeholder.name;
+            // what no field is: the axes as one types them, and how long an event took
+            let own = || Field { kind: name.clone(), name: name.clone(), meaning: String::new(), place: 0 };
+            let its = self.fields.iter().find(|field| field.name == name).cloned();
+            let is_own = name == "took_s" || name == "axes" && self.fields.len() == 3;
+            let its = its.or_else(|| is_own.then(own));
+            self.told.push(its.ok_or_else(|| format!("its text asks for {name}, and it has no such field"))?);
         }
         Ok(())
     }
@@ -149,7 +220,7 @@ mod tests {
         name = "One"
         meaning = "x"
         text.en = "one of {many:int}"
-        fields = [{ name = "many", kind = "count", meaning = "x", example = 3 }]
+        fields = [{ name = "many", kind = "count", meaning = "x" }]
 
         [[Kind.cases]]
         name = "Two"
@@ -164,43 +235,43 @@ mod tests {
         meaning = "x"
     "#;
 
-    fn refused(was: &str, is: &str) -> String {
-        assert!(TABLE.contains(was), "{was}");
-        read(&TABLE.replace(was, is)).expect_err(is)
+    fn why(table: &str) -> String {
+        read(table).err().unwrap_or_default()
     }
 
     #[test]
-    fn a_table_is_read_in_its_order() {
+    fn a_table_is_read_in_its_order_and_completed() {
         let enums = read(TABLE).unwrap();
         assert_eq!(enums.iter().map(|one| one.name.as_str()).collect::<Vec<_>>(), ["Kind", "Other"]);
-        assert_eq!(enums[0].cases[1].nested().map(|field| field.kind.as_str()), Some("Other"));
-        assert!(enums[0].cases[0].nested().is_none());
+        let [one, two] = &enums[0].cases[..] else { panic!("two cases") };
+        assert_eq!((one.code, one.key.as_deref(), one.says.as_deref()), (0, Some("kind_one"), Some("one of {many}")));
+        assert!((one.nested.is_none(), two.code, two.says.as_deref()) == (true, 1, Some("{0}")));
+        assert_eq!(two.nested.as_ref().map(|field| field.kind.as_str()), Some("Other"));
     }
 
     #[test]
     fn what_the_languages_cannot_be_made_from_is_refused_by_name() {
-        assert_eq!(refused("\"Two\"", "\"One\""), "bindings/status.toml: Kind.One: it is there twice");
-        assert!(refused("\"count\"", "\"number\"").contains("field many has the kind number"));
-        assert!(refused(", example = 3", "").contains("field many has no example"));
-        assert!(refused("text.en", "text.de").contains("Kind.One: it has no text.en"));
-        assert!(
-            refused(
-                "meaning = \"x\" }]",
-                "meaning = \"x\" }, { name = \"a\", kind = \"count\", meaning = \"x\", example = 1 }]"
-            )
-            .contains("only field")
-        );
-        let again = "example = 3 }, { name = \"many\", kind = \"count\", meaning = \"x\", example = 3 }";
-        assert!(refused("example = 3 }", again).contains("field many is there twice"));
-        let many = |kind: &str, n: usize| {
-            let field = |k| format!("{{ name = \"a{k}\", kind = \"{kind}\", meaning = \"x\", example = 1 }}");
-            let fields = (0..n).map(field).collect::<Vec<_>>().join(", ");
-            TABLE.replace("{ name = \"many\", kind = \"count\", meaning = \"x\", example = 3 }", &fields)
-        };
-        for (kind, most) in [("time", 2), ("axis", 2), ("real", 3), ("signed_axis", 3)] {
-            assert!(read(&many(kind, most)).is_ok(), "{kind}");
-            assert!(read(&many(kind, most + 1)).unwrap_err().contains("two whole numbers and three others"), "{kind}");
+        let field = "{ name = \"many\", kind = \"count\", meaning = \"x\" }";
+        for (was, is, says) in [
+            ("\"Two\"", "\"One\"", "Kind.One: it is there twice"),
+            ("\"count\"", "\"number\"", "Kind.One: field many has the kind number"),
+            ("text.en", "text.de", "Kind.One: it has no text.en"),
+            ("many:int", "much:int", "Kind.One: its text asks for much"),
+            (field, &format!("{field}, {field}"), "Kind.One: field many is there twice"),
+            ("\"Other\", meaning = \"x\" }", &format!("\"Other\", meaning = \"x\" }}, {field}"), "only field"),
+            ("texts = \"kind\"", "text = \"kind\"", "unknown field `text`"),
+        ] {
+            let why = why(&TABLE.replace(was, is));
+            assert!(why.starts_with("bindings/status.toml: Kind") && why.contains(says), "{was}: {why}");
         }
-        assert!(refused("texts = \"kind\"", "text = \"kind\"").contains("unknown field `text`"));
+        for (kind, most) in [("time", 2), ("axis", 2), ("real", 3), ("signed_axis", 3)] {
+            let many = |n: usize| {
+                let more = (1..n).map(|k| format!("{{ name = \"a{k}\", kind = \"{kind}\", meaning = \"x\" }}"));
+                let first = field.replace("count", kind);
+                why(&TABLE.replace(field, &more.fold(first, |all, one| format!("{all}, {one}"))))
+            };
+            assert_eq!(many(most), "", "{kind}");
+            assert!(many(most + 1).contains("two whole numbers and three others"), "{kind}");
+        }
     }
 }

@@ -1,12 +1,12 @@
-//! What the library says to its users, in every language: the table's texts, then those of `bindings/texts`, as Android's string resources and Swift's
-//! `Localizable.strings`.
+//! What the library says to its users, in every language: the statuses' texts, then those of `bindings/texts.toml`, as Android's string resources and
+//! Swift's `Localizable.strings`.
 
-use crate::names::snake;
+use crate::placeholders::{Placeholder, parts, placeholders};
 use crate::table::Enum;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What stands at the head of what is made.
-const MADE: &str = "made by bindings/generate.sh from bindings/status.toml and bindings/texts";
+const MADE: &str = "made by bindings/generate.sh from bindings/status.toml and bindings/texts.toml";
 
 /// A text by its name, in the languages that have it.
 pub struct Text {
@@ -14,125 +14,52 @@ pub struct Text {
     pub languages: BTreeMap<String, String>,
 }
 
-/// A placeholder `{name:kind}`: `text`, `int`, or a number with so many decimals such as `.1`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Placeholder {
-    pub name: String,
-    pub kind: String,
-}
-
-/// The parts of a text: what stands between placeholders, and these.
-fn parts(text: &str) -> Result<(Vec<&str>, Vec<Placeholder>), String> {
-    let (mut between, mut found, mut rest) = (Vec::new(), Vec::<Placeholder>::new(), text);
-    while let Some((before, after)) = rest.split_once('{') {
-        let (inside, after) = after.split_once('}').ok_or("a brace that is no placeholder")?;
-        let (name, kind) =
-            inside.split_once(':').ok_or_else(|| format!("{{{inside}}} has no kind, as {{name:int}}"))?;
-        let is_number = kind.len() == 2 && kind.starts_with('.') && kind.as_bytes()[1].is_ascii_digit();
-        let is_name = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-        if !is_name || !(is_number || kind == "text" || kind == "int") {
-            return Err(format!("{{{inside}}} is no placeholder, expected {{name:text}}, {{name:int}} or {{name:.1}}"));
-        }
-        if found.iter().any(|other| other.name == name) {
-            return Err(format!("{{{name}}} is there twice"));
-        }
-        found.push(Placeholder { name: name.to_owned(), kind: kind.to_owned() });
-        between.push(before);
-        rest = after;
-    }
-    between.push(rest);
-    if between.iter().any(|part| part.contains(['{', '}'])) {
-        return Err("a brace that is no placeholder".to_owned());
-    }
-    // each would need care in one of the formats
-    if text.contains(['%', '\\', '"', '\n']) || text.trim() != text || text.is_empty() {
-        return Err("a % sign, a backslash, a quote, a line's end, a space at an end or no text at all".to_owned());
-    }
-    Ok((between, found))
-}
-
-/// The placeholders of a text that `read` has let pass.
-pub fn placeholders(text: &str) -> Vec<Placeholder> {
-    parts(text).expect("it was read").1
-}
-
-/// Those of the table, then those of the files: name of the language, content.
-pub fn read(enums: &[Enum], files: &[(String, String)]) -> Result<Vec<Text>, String> {
+/// The texts of the enums, then those of the file.
+pub fn read(enums: &[Enum], text: &str) -> Result<Vec<Text>, String> {
+    let file: toml::Table = text.parse().map_err(|error| format!("bindings/texts.toml: {error}"))?;
     let mut all: Vec<Text> = Vec::new();
-    for one in enums {
-        let Some(begins) = &one.texts else { continue };
-        let told = one.cases.iter().filter(|case| !case.text.is_empty());
-        all.extend(
-            told.map(|case| Text { name: format!("{begins}_{}", snake(&case.name)), languages: case.text.clone() }),
-        );
+    for case in enums.iter().flat_map(|one| &one.cases) {
+        all.extend(case.key.as_ref().map(|name| Text { name: name.clone(), languages: case.text.clone() }));
     }
-    let of_table = all.len();
-    // English says which there are, and in which order
-    let english_first =
-        files.iter().filter(|(code, _)| code == "en").chain(files.iter().filter(|(code, _)| code != "en"));
-    for (language, content) in english_first {
-        for (number, line) in content.lines().enumerate() {
-            let place = format!("bindings/texts/{language}.txt:{}", number + 1);
-            if line.starts_with('#') || line.trim().is_empty() {
-                continue;
-            }
-            let (name, text) = line.split_once(" = ").ok_or_else(|| format!("{place}: expected `name = text`"))?;
-            let is_name = name.chars().all(|c| c.is_ascii_lowercase() || c == '_');
-            let known = all.iter().position(|it| it.name == name);
-            if !is_name || known.is_some_and(|k| k < of_table) {
-                return Err(format!("{place}: {name} is no name, or one of bindings/status.toml"));
-            }
-            let known = match known {
-                None if language == "en" => {
-                    all.push(Text { name: name.to_owned(), languages: BTreeMap::new() });
-                    all.len() - 1
-                }
-                None => return Err(format!("{place}: {name} is not in en.txt")),
-                Some(k) => k,
-            };
-            if all[known].languages.insert(language.clone(), text.to_owned()).is_some() {
-                return Err(format!("{place}: {name} is there twice"));
-            }
-        }
+    for (name, languages) in file {
+        let languages = languages.try_into().map_err(|error| format!("bindings/texts.toml: {name}: {error}"))?;
+        all.push(Text { name, languages });
     }
-    for text in &all {
-        let sorted = |language: &str| -> Result<Vec<Placeholder>, String> {
-            let mut found = parts(&text.languages[language])
-                .map_err(|why| format!("the text {} of {language}: {why}", text.name))?
-                .1;
+    for (k, text) in all.iter().enumerate() {
+        let of = |language: &str| -> Result<Vec<Placeholder>, String> {
+            let mut found =
+                placeholders(text.languages.get(language).ok_or(format!("the text {} has no {language}", text.name))?)
+                    .map_err(|why| format!("the text {} of {language}: {why}", text.name))?;
             found.sort_by(|a, b| a.name.cmp(&b.name));
             Ok(found)
         };
-        if !text.languages.contains_key("en") {
-            return Err(format!("the text {} is not there in English", text.name));
-        }
-        let english = sorted("en")?;
+        let english = of("en")?;
         for language in text.languages.keys() {
-            let theirs = sorted(language)?;
-            if theirs != english {
-                let named = |all: &[Placeholder]| {
-                    all.iter().map(|it| format!("{{{}:{}}}", it.name, it.kind)).collect::<Vec<_>>().join(" ")
-                };
-                return Err(format!(
-                    "the text {} of {language} has the placeholders '{}', and English '{}'",
-                    text.name,
-                    named(&theirs),
-                    named(&english)
-                ));
+            if of(language)? != english {
+                return Err(format!("the text {} of {language} has other placeholders than English", text.name));
             }
+        }
+        if all[..k].iter().any(|other| other.name == text.name) {
+            return Err(format!("the text {} is there twice", text.name));
         }
     }
     Ok(all)
 }
 
 impl Text {
+    /// An English sentence, as it stands in another.
+    pub fn as_a_clause(&self) -> String {
+        let sentence = self.english().trim_end_matches('.');
+        sentence[..1].to_lowercase() + &sentence[1..]
+    }
+
     fn english(&self) -> &str {
         &self.languages["en"]
     }
 
     /// With the placeholders of `printf`, numbered as English has them.
     fn formatted(&self, language: &str, text_kind: &str, int_kind: &str) -> String {
-        let order = placeholders(self.english());
+        let order = placeholders(self.english()).expect("it was read");
         let (between, found) =
             parts(self.languages.get(language).map_or(self.english(), String::as_str)).expect("it was read");
         let mut made = between[0].to_owned();
@@ -167,9 +94,9 @@ fn android_escaped(text: &str) -> String {
 }
 
 /// The files that have the texts, by their paths in the repository.
-pub fn files(texts: &[Text], languages: &[String]) -> Vec<(String, String)> {
+pub fn files(texts: &[Text]) -> Vec<(String, String)> {
     let mut made = Vec::new();
-    for language in languages {
+    for language in texts.iter().flat_map(|text| text.languages.keys()).collect::<BTreeSet<_>>() {
         let (code, region) = language.split_once('-').unwrap_or((language, ""));
         let mut strings = format!("<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<!-- {MADE} -->\n<resources>\n");
         // Android looks in the English ones for a string that is left out, Apple's systems do not
@@ -216,29 +143,21 @@ pub fn files(texts: &[Text], languages: &[String]) -> Vec<(String, String)> {
 mod tests {
     use super::*;
 
-    fn file(language: &str, content: &str) -> (String, String) {
-        (language.to_owned(), content.to_owned())
-    }
-
-    fn refused(files: &[(String, String)]) -> String {
-        read(&[], files).err().expect("a refusal")
+    fn refused(file: &str) -> String {
+        read(&[], file).err().expect("a refusal")
     }
 
     #[test]
     fn a_translation_counts_its_placeholders_as_english_does() {
-        let files = [
-            file("de", "so = von {need:int} erst {have:int} <'>\n"),
-            file("en", "# x\n\nso = {have:int} of {need:int}\n"),
-        ];
-        let texts = read(&[], &files).unwrap();
-        assert_eq!(texts[0].formatted("de", "@", "lld"), "von %2$lld erst %1$lld <'>");
-        let made = super::files(&texts, &["de".to_owned(), "pt-BR".to_owned()]);
+        let texts = read(
+            &[],
+            "so.de = \"von {need:int} erst {have:int} <'>\"\nso.en = \"{have:int} of {need:int}\"\n[to]\nen = \"to\"\npt-BR = \"a\"",
+        );
+        let made = super::files(&texts.unwrap());
         let content =
             |path: &str| made.iter().find(|(its, _)| its.ends_with(path)).map(|(_, content)| content.as_str()).unwrap();
-        assert!(
-            content("values-de/strings.xml")
-                .contains("<string name=\"magcomp_so\">von %2$d erst %1$d &lt;\\'></string>")
-        );
+        assert!(content("de.lproj/Localizable.strings").contains("\"so\" = \"von %2$lld erst %1$lld <'>\";"));
+        assert!(content("values-de/strings.xml").contains("\"magcomp_so\">von %2$d erst %1$d &lt;\\'></string>"));
         // what a language leaves out: nothing on Android, English on Apple's systems
         assert!(!content("values-pt-rBR/strings.xml").contains("magcomp_so"));
         assert!(content("pt-BR.lproj/Localizable.strings").contains("\"so\" = \"%1$lld of %2$lld\";"));
@@ -246,18 +165,21 @@ mod tests {
 
     #[test]
     fn what_cannot_be_a_text_is_refused() {
-        assert!(refused(&[file("en", "so = {have:int} {have:int}\n")]).contains("twice"));
-        assert!(refused(&[file("en", "so = {have:char}\n")]).contains("no placeholder"));
-        assert!(refused(&[file("en", "so = {have}\n")]).contains("no kind"));
-        assert!(refused(&[file("en", "so = a } b\n")]).contains("brace"));
-        assert!(refused(&[file("en", "so = a { b\n")]).contains("brace"));
-        assert!(refused(&[file("en", "so = 5 % of\n")]).contains("% sign"));
-        assert!(refused(&[file("en", "so = x\nso = y\n")]).contains("twice"));
-        assert!(refused(&[file("en", "so: x\n")]).contains("en.txt:1: expected"));
-        assert!(refused(&[file("en", "so = x\n"), file("de", "wo = y\n")]).contains("de.txt:1: wo is not in en.txt"));
+        for (text, why) in [
+            ("{have:int} {have:int}", "twice"),
+            ("{have:char}", "no placeholder"),
+            ("{have}", "no kind"),
+            ("a } b", "brace"),
+            ("a { b", "brace"),
+            ("5 % of", "% sign"),
+        ] {
+            assert!(refused(&format!("so.en = \"{text}\"")).contains(why), "{text}");
+        }
+        assert!(refused("so.de = \"x\"").ends_with("so has no en"));
         assert!(
-            refused(&[file("en", "so = {a:int}\n"), file("de", "so = {a:.1}\n")])
-                .ends_with("de has the placeholders '{a:.1}', and English '{a:int}'")
+            refused("so.en = \"{a:int}\"\nso.de = \"{a:.1}\"")
+                .ends_with("so of de has other placeholders than English")
         );
+        assert!(refused("so = 3").contains("texts.toml: so: "));
     }
 }

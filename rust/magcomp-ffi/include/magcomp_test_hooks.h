@@ -7,9 +7,6 @@
 /// Panics inside the object of a handle.
 int32_t magcomp_test_panic(int64_t handle);
 
-/// Writes one of Rust's example statuses; how many there are.
-int32_t magcomp_test_status(int32_t index, MagcompStatus *_Nullable out);
-
 /// Keeps an event for `magcomp_test_bare_ns`: 0 magnetic, 1 rotation rate, 2 up; any other forgets all.
 void magcomp_test_bare_add(int32_t kind, int64_t time_ns, double x, double y, double z);
 

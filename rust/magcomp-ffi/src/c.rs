@@ -70,7 +70,6 @@ pub extern "C" fn magcomp_unseen_directions(handle: i64, out: Option<&mut [f64; 
 #[cfg(feature = "test-hooks")]
 mod hooks {
     use super::*;
-    use crate::status::FlatStatus;
     use std::hint::black_box;
     use std::sync::{Mutex, PoisonError};
     use std::time::Instant;
@@ -79,16 +78,6 @@ mod hooks {
     #[unsafe(no_mangle)]
     pub extern "C" fn magcomp_test_panic(handle: i64) -> i32 {
         find(handle).map_or(CLOSED, |to| flat::event_code(to.panic_on_purpose()))
-    }
-
-    /// What one of Rust's example statuses looks like; how many there are.
-    #[unsafe(no_mangle)]
-    pub extern "C" fn magcomp_test_status(index: i32, out: Option<&mut FlatStatus>) -> i32 {
-        let examples = crate::status::examples();
-        if let (Some(status), Some(out)) = (usize::try_from(index).ok().and_then(|k| examples.get(k)), out) {
-            *out = (*status).into();
-        }
-        examples.len() as i32
     }
 
     #[derive(Clone, Copy)]

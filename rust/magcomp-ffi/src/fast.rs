@@ -243,18 +243,6 @@ mod hooks {
         find(handle).map_or(CLOSED, |to| flat::event_code(to.panic_on_purpose()))
     }
 
-    /// What a status looks like in `out`, for comparing Kotlin's reader with uniffi's.
-    #[jni_mangle("org.magcomp.TestHooks")]
-    pub fn example_status(env: Env, _class: jclass, index: jint, out: JavaArray<jdouble>) -> jint {
-        let examples = crate::status::examples();
-        if let Some(status) = examples.get(index as usize) {
-            let mut slots = [f64::NAN; slots::COUNT];
-            slots::write_status(&(*status).into(), &mut slots);
-            out.write(env, 0, &slots);
-        }
-        examples.len() as jint
-    }
-
     /// Nanoseconds the core itself takes for these samples (three values each, uT), `step_ns` apart, by the paper's
     /// method or with a constant calibration.
     #[jni_mangle("org.magcomp.TestHooks")]

@@ -53,3 +53,29 @@ pub(crate) fn code_of(error: &MagcompError) -> i32 {
         _ => CLOSED,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::status::{EventKind, FlatStatus, Status};
+    use serde_json::{Value, json};
+
+    #[test]
+    fn every_status_has_the_codes_and_numbers_that_kotlin_and_swift_read() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/vectors/statuses.json");
+        let all: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+        for case in all["statuses"].as_array().unwrap() {
+            let status: magcomp::Status = ron::from_str(case["status"].as_str().unwrap()).unwrap();
+            let FlatStatus { kind, reason, problem, whole, real } = Status::from(status).into();
+            assert_eq!(json!([kind, reason, problem]), case["border"]);
+            let count = |key: &str| case[key].as_array().map_or(0, Vec::len);
+            let (whole, rest) = whole.split_at(count("whole"));
+            assert!(whole.is_empty() || json!(whole) == case["whole"] && rest.iter().all(|it| *it == 0), "{case}");
+            let (real, rest) = real.split_at(count("real"));
+            assert!(real.is_empty() || json!(real) == case["real"] && rest.iter().all(|it| it.is_nan()), "{case}");
+        }
+        for case in all["events"].as_array().unwrap() {
+            let kind: magcomp::EventKind = ron::from_str(case["kind"].as_str().unwrap()).unwrap();
+            assert_eq!(case["border"], EventKind::from(kind).code());
+        }
+    }
+}

@@ -29,10 +29,7 @@ mod reading;
 mod record;
 #[rustfmt::skip]
 mod status;
-#[rustfmt::skip]
-mod choices;
 
-pub use choices::{Method, Normalisation, ReferenceAxis, Residual, ScreenRotation};
 pub use compensator::Compensator;
 pub use config::{Config, FitOptions, HeadingConfig, WindowedConfig, default_config};
 pub use constant_field::ConstantField;
@@ -46,8 +43,8 @@ pub use record::{
     UpSample, Vector3, correct, heading, true_heading_deg,
 };
 pub use status::{
-    Axis, Event, EventKind, EventRejection, FitProblem, HeadingAid, HoldReason, Missing, ModelOrder, RejectReason,
-    SensorMode, Status,
+    Axis, Event, EventKind, EventRejection, FitProblem, HeadingAid, HoldReason, Method, Missing, ModelOrder,
+    Normalisation, ReferenceAxis, RejectReason, Residual, ScreenRotation, SensorMode, Status,
 };
 
 uniffi::setup_scaffolding!();

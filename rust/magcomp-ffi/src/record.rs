@@ -1,8 +1,8 @@
 //! Records that cross the border, and their conversions.
 
-use crate::choices::{ReferenceAxis, ScreenRotation};
 use crate::convert::{count, same};
 use crate::error::MagcompError;
+use crate::status::{ReferenceAxis, ScreenRotation};
 use magcomp::nalgebra;
 
 /// Three components in the device frame: x right, y up along the screen, z out of the screen.

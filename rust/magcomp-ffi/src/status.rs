@@ -1,5 +1,5 @@
-// made by bindings/generate.sh from bindings/status.toml
-//! What the compensator is doing, and why: the core's enums as they cross the border, and their codes on the wire.
+// made by bindings/generate.sh from bindings/status.toml and bindings/config.toml
+//! What the compensator is doing, and why, and what a setting can be that is no number: the core's enums as they cross the border, and their codes on the wire.
 
 use crate::convert::{Cross, same};
 
@@ -243,6 +243,63 @@ pub enum HeadingAid {
     Disagrees,
 }
 
+/// How the hard and soft iron are estimated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
+pub enum Method {
+    /// Gyroscope and gravity beside the magnetometer; works as `Adaptive` while there is no usable gyroscope.
+    Auto,
+    /// As `Auto` in far less memory: without a usable gyroscope it keeps its calibration, and learns nothing.
+    Aided,
+    /// The magnetometer alone: notices changes, and relearns them as fast as the samples allow.
+    Adaptive,
+    /// The paper's: an ellipsoid fit over the latest samples, whose number follows sigma_T.
+    Windowed,
+    /// The first step of the paper's method alone: one fit of the first well spread samples, kept from then on.
+    Constant,
+}
+
+/// The axis of the device whose heading is reported.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
+pub enum ReferenceAxis {
+    /// Top edge of the screen, +y.
+    TopEdge,
+    /// Back camera, -z.
+    Camera,
+    /// The horizontal direction between top edge and camera: no flip when the phone passes upright.
+    Auto,
+}
+
+/// How the screen's content is turned against the device's natural orientation, as Android's `Display.getRotation`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
+pub enum ScreenRotation {
+    /// Natural orientation: portrait on phones.
+    Deg0,
+    /// Landscape, the device turned counter-clockwise: the screen's top is the device's right edge.
+    Deg90,
+    /// Upside down.
+    Deg180,
+    /// The other landscape: the screen's top is the device's left edge.
+    Deg270,
+}
+
+/// The residual that a fit squares and sums.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
+pub enum Residual {
+    /// Eq. (10) of the paper as written. Biased in scale by about 3 nu^2 (nu: noise over field strength), and in everything when the sphere is only partly covered.
+    Algebraic,
+    /// Divided by its own gradient: a distance in raw units, free of the noise bias.
+    Corrected,
+}
+
+/// How the standard deviations in sigma_T, eq. (15), are normalised.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, uniffi::Enum)]
+pub enum Normalisation {
+    /// By half the range of each axis, 180 and 90 degrees: even orientations give 0.723, and so N = 626 of 100 to 2000.
+    HalfRange,
+    /// By sqrt(2) times the standard deviation of evenly spread directions, which so give 1.
+    EvenSphere,
+}
+
 impl Cross<Axis> for magcomp::Axis {
     fn cross(self) -> Axis {
         self.into()
@@ -267,6 +324,11 @@ same! {
     ModelOrder: ModelOrder { Nothing, HardIron, All, Former }
     EventKind: EventKind { DeviceStep, DeviceStepBack, PlaceChanged }
     HeadingAid: HeadingAid { Used, Leads, Disagrees }
+    Method: Method { Auto, Aided, Adaptive, Windowed, Constant }
+    ReferenceAxis: ReferenceAxis { TopEdge, Camera, Auto }
+    ScreenRotation: ScreenRotation { Deg0, Deg90, Deg180, Deg270 }
+    Residual: Residual { Algebraic, Corrected }
+    Normalisation: Normalisation { HalfRange, EvenSphere }
 }
 
 /// A change that was decided.
@@ -437,48 +499,4 @@ impl From<Status> for FlatStatus {
             },
         }
     }
-}
-
-/// One status of every kind, for comparing what JNI and what uniffi make of it.
-#[cfg(feature = "test-hooks")]
-pub(crate) fn examples() -> Vec<Status> {
-    let collecting = |missing| Status::Collecting { missing };
-    let problems = [
-        FitProblem::TooFewSamples { have: 8 },
-        FitProblem::Planar { thickness_ut: 0.5 },
-        FitProblem::PoorCoverage { direction_sigma_deg: 12.5, limit_deg: 10.0 },
-        FitProblem::Inconsistent { residual_ut: 7.5, limit_ut: 2.5 },
-        FitProblem::NotAnEllipsoid,
-        FitProblem::FieldOutOfRange { field_ut: 90.0, low_ut: 22.0, high_ut: 67.0 },
-        FitProblem::NotFinite,
-    ];
-    let held = [
-        HoldReason::LowUniformity,
-        HoldReason::FitRefused { problem: problems[2] },
-        HoldReason::Constant,
-        HoldReason::AtRest,
-        HoldReason::TooLittleRotation,
-        HoldReason::NoGyroscope,
-    ];
-    let rejected = [
-        RejectReason::NotFinite,
-        RejectReason::OutOfRange { value_ut: -2500.0, limit_ut: 2000.0 },
-        RejectReason::Saturated { axis: Axis::Z, value_ut: 1300.0, rail_ut: 1299.5 },
-        RejectReason::TimeNotAfter { time_ns: 7, latest_ns: 9007199254740993 },
-        RejectReason::TimeJump { gap_s: 1000000.0, limit_s: 604800.0 },
-        RejectReason::Stuck { repeats: 50 },
-        RejectReason::Axes { x: 2, y: -1, z: 3 },
-    ];
-    let mut examples = vec![
-        Status::Tracking,
-        Status::Suspect { since_ns: -9007199254740993 },
-    ];
-    examples.push(collecting(Missing::Samples { have: 60, need: 100 }));
-    examples.push(collecting(Missing::Rotation));
-    examples.push(collecting(Missing::Directions));
-    examples.extend(problems.map(|problem| collecting(Missing::Fit { problem })));
-    examples.extend(held.map(|reason| Status::Held { reason }));
-    examples.push(Status::Disturbed { since_ns: -9223372036854775807 });
-    examples.extend(rejected.map(|reason| Status::Rejected { reason }));
-    examples
 }

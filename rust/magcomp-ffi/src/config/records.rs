@@ -4,10 +4,10 @@
 // one way to write a member, whichever struct of the core's it is in
 #![allow(clippy::field_reassign_with_default)]
 
-use crate::choices::{Method, ReferenceAxis, ScreenRotation, Residual, Normalisation};
 use crate::convert::count;
 use crate::error::MagcompError;
 use crate::record::Calibration;
+use crate::status::{Method, ReferenceAxis, ScreenRotation, Residual, Normalisation};
 
 /// A count of the core's; `field` is where it stands in the config.
 fn size(field: &str, n: i32) -> Result<usize, MagcompError> {

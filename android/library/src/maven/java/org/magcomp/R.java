@@ -1,6 +1,6 @@
 package org.magcomp;
 
-/** Stands in for the class that Android's tools make of the resources; made by bindings/generate.sh from bindings/status.toml and bindings/texts. No artifact has it. */
+/** Stands in for the class that Android's tools make of the resources; made by bindings/generate.sh from bindings/status.toml and bindings/texts.toml. No artifact has it. */
 final class R {
     static final class string {
         static int magcomp_status_collecting = 0x7f0e0000;

@@ -84,50 +84,6 @@ class BorderTest {
     }
 
     @Test
-    fun `every status is read from JNI as uniffi has it`() {
-        val problems = listOf(
-            FitProblem.TooFewSamples(8),
-            FitProblem.Planar(0.5),
-            FitProblem.PoorCoverage(12.5, 10.0),
-            FitProblem.Inconsistent(7.5, 2.5),
-            FitProblem.NotAnEllipsoid,
-            FitProblem.FieldOutOfRange(90.0, 22.0, 67.0),
-            FitProblem.NotFinite,
-        )
-        val held = listOf(
-            HoldReason.LowUniformity,
-            HoldReason.FitRefused(problems[2]),
-            HoldReason.Constant,
-            HoldReason.AtRest,
-            HoldReason.TooLittleRotation,
-            HoldReason.NoGyroscope,
-        )
-        val rejected = listOf(
-            RejectReason.NotFinite,
-            RejectReason.OutOfRange(-2500.0, 2000.0),
-            RejectReason.Saturated(DeviceAxis.Z, 1300.0, 1299.5),
-            RejectReason.TimeNotAfter(7, 9_007_199_254_740_993),
-            RejectReason.TimeJump(1e6, 604_800.0),
-            RejectReason.Stuck(50),
-            RejectReason.Axes(2, -1, 3),
-        )
-        val missing = listOf(CollectingReason.Samples(60, 100), CollectingReason.Rotation, CollectingReason.Directions)
-        val expected = listOf(CompensationStatus.Tracking, CompensationStatus.Suspect(-9_007_199_254_740_993)) +
-            missing.map { CompensationStatus.Collecting(it) } +
-            problems.map { CompensationStatus.Collecting(CollectingReason.Fit(it)) } +
-            held.map { CompensationStatus.Held(it) } +
-            CompensationStatus.Disturbed(Long.MIN_VALUE + 1) +
-            rejected.map { CompensationStatus.Rejected(it) }
-        val slots = DoubleArray(FastPath.slots)
-        assertEquals(expected.size, TestHooks.exampleStatus(-1, slots))
-        for ((index, status) in expected.withIndex()) {
-            TestHooks.exampleStatus(index, slots)
-            assertEquals(status, ReadingBuffer.status(slots))
-            assertTrue(status.text().startsWith(status.label()), status.text())
-        }
-    }
-
-    @Test
     fun `a config out of range is a typed error`() {
         val error = assertThrows(MagcompException.Config::class.java) {
             Compensator(CompensationConfig(windowed = WindowedConfig(nMin = 3)))

@@ -97,43 +97,6 @@ class FactsTest {
     }
 
     @Test
-    fun statuses() {
-        val poor = FitProblem.PoorCoverage(12.5, 10.0)
-        val problems = listOf(
-            FitProblem.TooFewSamples(8),
-            FitProblem.Planar(0.5),
-            poor,
-            FitProblem.Inconsistent(7.5, 2.5),
-            FitProblem.NotAnEllipsoid,
-            FitProblem.FieldOutOfRange(90.0, 22.0, 67.0),
-            FitProblem.NotFinite,
-        )
-        val missing = listOf(CollectingReason.Samples(60, 100)) + problems.map { CollectingReason.Fit(it) } +
-            listOf(CollectingReason.Rotation, CollectingReason.Directions)
-        val held = listOf(
-            HoldReason.LowUniformity,
-            HoldReason.FitRefused(poor),
-            HoldReason.Constant,
-            HoldReason.AtRest,
-            HoldReason.TooLittleRotation,
-            HoldReason.NoGyroscope,
-        )
-        val rejected = listOf(
-            RejectReason.NotFinite,
-            RejectReason.OutOfRange(-2500.0, 2000.0),
-            RejectReason.Saturated(DeviceAxis.X, 1300.0, 1299.5),
-            RejectReason.TimeNotAfter(7, 8),
-            RejectReason.TimeJump(1e6, 604_800.0),
-            RejectReason.Stuck(50),
-            RejectReason.Axes(2, -1, 3),
-        )
-        val ours = missing.map { CompensationStatus.Collecting(it) } + CompensationStatus.Tracking + CompensationStatus.Suspect(1) +
-            held.map { CompensationStatus.Held(it) } + CompensationStatus.Disturbed(1) + rejected.map { CompensationStatus.Rejected(it) }
-        val expected = list(facts, "statuses").map { Pair(it.getString("label"), it.getString("text")) }
-        assertEquals(expected, ours.map { Pair(it.label(), it.text()) })
-    }
-
-    @Test
     fun errors() {
         assertEquals(
             list(facts, "event_rejections").map { it.getString("text") },

@@ -20,10 +20,6 @@ object TestHooks {
     @JvmStatic
     external fun panicOnPurpose(handle: Long): Int
 
-    /** Writes one of Rust's example statuses to [out]; how many there are. */
-    @JvmStatic
-    external fun exampleStatus(index: Int, out: DoubleArray): Int
-
     /** Nanoseconds the core itself takes for these samples. */
     @JvmStatic
     external fun barePushNs(constant: Boolean, nMin: Int, stepNs: Long, values: DoubleArray): Long

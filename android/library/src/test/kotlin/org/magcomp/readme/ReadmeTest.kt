@@ -3,6 +3,8 @@ package org.magcomp.readme
 import android.hardware.Sensor
 import android.hardware.SensorManager
 import android.view.Surface
+import com.facebook.react.bridge.ReactApplicationContext
+import io.flutter.plugin.common.EventChannel
 import kotlinx.coroutines.async
 import kotlinx.coroutines.delay
 import kotlinx.coroutines.flow.first
@@ -35,7 +37,7 @@ class ReadmeTest {
     @Test
     fun `every snippet of a document is compiled here, but Gradle's`() {
         val fenced = Regex("(?s)```kotlin\n(.*?)```")
-        for (document in listOf("README.md", "android/README.md", "android/GUIDE.md", "android/MIGRATION.md")) {
+        for (document in listOf("README.md", "android/README.md", "android/GUIDE.md", "android/MIGRATION.md", "docs/FRAMEWORKS.md")) {
             val shown = fenced.findAll(repository.resolve(document).readText()).map { it.groupValues[1] }
             val compiled = snippets.filter { it.first == document }.map { it.second }
             assertTrue(compiled.isNotEmpty(), document)
@@ -70,6 +72,29 @@ class ReadmeTest {
         val events = events(tumbling(600)) + SensorSample.Up(UpSample(700 * STEP_NS, DeviceVector(0.0, 0.0, 9.8)))
         events.forEach(sensors::deliver)
         assertTrue(Regex("[0-9.]+ deg \\+- [0-9.]+").matches(heading.await()), heading.await())
+    }
+
+    @Test
+    fun `the bridges to React Native and Flutter tell a heading, or what is missing`(): Unit = runBlocking {
+        val context = ReactApplicationContext(FakeApp(sensors))
+        val module = MagcompModule(context)
+        module.addListener("heading")
+        withTimeout(120_000) { while (sensors.registrations.size < 2) yield() }
+        events(tumbling(600)).forEach(sensors::deliver)
+        fun isTold() = synchronized(context.emitted) { context.emitted.any { (_, it) -> (it as Map<*, *>)["headingDeg"] is Double } }
+        withTimeout(120_000) { while (!isTold()) delay(10) }
+        module.removeListeners(1)
+        withTimeout(120_000) { while (sensors.registrations.isNotEmpty()) delay(10) }
+        module.invalidate()
+
+        val heard = mutableListOf<Any?>()
+        val handler = HeadingHandler(FakeApp(FakeSensorManager()), this)
+        handler.onListen(null, object : EventChannel.EventSink {
+            override fun success(event: Any?) = heard.plusAssign(event)
+        })
+        withTimeout(120_000) { while (heard.isEmpty()) yield() }
+        handler.onCancel(null)
+        assertEquals(listOf(mapOf("headingDeg" to null, "sigmaDeg" to null, "text" to "This phone has no compass.")), heard.toList())
     }
 
     @Test
