@@ -1,4 +1,4 @@
-// The build that an app's developer knows, over the same folders as Maven's: the AAR with its native libraries, and the sample.
+// The build that an app's developer knows, over the same folders as Maven's: the AARs, one with its native libraries, and the sample.
 pluginManagement {
     repositories {
         google()
@@ -16,4 +16,4 @@ dependencyResolutionManagement {
 }
 
 rootProject.name = "magcomp-android"
-include(":library", ":sample")
+include(":library", ":compose", ":sample")

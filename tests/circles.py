@@ -39,6 +39,7 @@ FLOORS = {
         "level": "math",
         "heading": "config level math",
         "attitude": "heading level math",
+        "pointing": "attitude heading config level",
         "sensing": "math priors range room sample status strength tuning",
         "kept": "calibration priors range",
     },
@@ -110,7 +111,7 @@ FLOORS = {
         "first_fit": "batch groups state step tuning",
         "probation": "running state step tuning watch",
         "quarantine": "propagate state step tuning turned",
-        "phase": "events first_fit running state watch",
+        "phase": "events first_fit quarantine running state tuning watch",
     },
     "rust/magcomp/src/estimator/adaptive/mod.rs": {
         "tuning": "",

@@ -11,9 +11,11 @@ for name in kotlin coroutines jna; do
     grep -qx "$name = \"$(maven $name)\"" gradle/libs.versions.toml || fail "gradle/libs.versions.toml has another version of $name than pom.xml, $(maven $name)"
 done
 version=$(sed -n 's#^  <version>\(.*\)</version>#\1#p' pom.xml)
-grep -qx "version = \"$version\"" library/build.gradle.kts || fail "library/build.gradle.kts has another version than pom.xml, $version"
-grep -q "coreLibrariesVersion = \"$(maven kotlin.stdlib)\"\$" library/build.gradle.kts || fail "the Kotlin library differs"
-grep -q "minSdk = $(sed -n 's#.*<min.sdk>\(.*\)</min.sdk>.*#\1#p' pom.xml)\$" library/build.gradle.kts || fail "minSdk differs"
+for module in library compose; do
+    grep -qx "version = \"$version\"" $module/build.gradle.kts || fail "$module/build.gradle.kts has another version than pom.xml, $version"
+    grep -q "coreLibrariesVersion = \"$(maven kotlin.stdlib)\"\$" $module/build.gradle.kts || fail "the Kotlin library of $module differs"
+    grep -q "minSdk = $(sed -n 's#.*<min.sdk>\(.*\)</min.sdk>.*#\1#p' pom.xml)\b" $module/build.gradle.kts || fail "minSdk of $module differs"
+done
 
 # every rootDir.resolve("...") and every module
 for path in $(grep -hoP 'rootDir\.resolve\("\K[^"]+' ./*/build.gradle.kts); do

@@ -14,7 +14,7 @@ expected "$target/kotlin/expected.txt"
 tests/gradle.sh
 mvn() { command mvn --batch-mode --no-transfer-progress -Dorg.slf4j.simpleLogger.defaultLogLevel=warn "$@"; }
 # or else classes of sources that are gone get into the jars
-rm -rf android/{bindings,library}/target/classes android/host/target
+rm -rf android/{bindings,library,compose,sample}/target/{classes,test-classes} android/host/target
 mvn --file android/pom.xml "${@:-verify}" -pl '!aar' -Dnative.dir="$native" -Drust.expected="$target/kotlin/expected.txt"
 [ $# -eq 0 ] || exit 0
 host=android/host/target

@@ -12,10 +12,10 @@ of_kotlin() { # [WORD]
         '/usr/lib/*/libfontconfig.so.1:libfontconfig1' '/usr/lib/jvm/*/lib/libjawt.so:default-jre'
     . tests/native.sh
     expected "$target/kotlin/expected.txt"
-    rm -rf android/{bindings,library,sample}/target/{classes,test-classes}
+    rm -rf android/{bindings,library,compose,sample}/target/{classes,test-classes}
     mvn=(mvn --batch-mode --no-transfer-progress -Dorg.slf4j.simpleLogger.defaultLogLevel=warn --file android/pom.xml)
     "${mvn[@]}" test-compile org.apache.maven.plugins:maven-dependency-plugin:3.8.1:build-classpath -Dmdep.outputFile=target/classpath.txt \
-        -Dlibrary.kdoc.skip=true -Dnative.dir="$native" -pl bindings,library,sample
+        -Dlibrary.kdoc.skip=true -Dnative.dir="$native" -pl bindings,library,compose,sample
     local repository kotlin platform compiler="" name
     repository=$(grep -o '[^:]*/org/junit/platform/junit-platform-engine/' android/library/target/classpath.txt | head -n 1)
     repository=${repository%/org/junit/*}

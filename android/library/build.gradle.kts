@@ -61,30 +61,6 @@ dependencies {
     implementation(libs.jna) { artifact { type = "aar" } }
 }
 
-publishing {
-    publications.register<MavenPublication>("release") {
-        artifactId = "magcomp"
-        afterEvaluate { from(components["release"]) }
-        pom {
-            name.set("magcomp")
-            description.set("A compass library for phones: it keeps pointing north when a magnet is put on the phone, and says how far off it may be.")
-            val home = "https://github.com/OWNER/magcomp"
-            url.set(home)
-            licenses {
-                license { name.set("MIT"); url.set("https://opensource.org/license/mit") }
-                license { name.set("Apache-2.0"); url.set("https://www.apache.org/licenses/LICENSE-2.0") }
-            }
-            developers { developer { name.set("The magcomp authors") } }
-            scm { url.set(home); connection.set("scm:git:$home.git") }
-        }
-    }
-}
-
-signing {
-    // in a release alone: ORG_GRADLE_PROJECT_signingKey and ORG_GRADLE_PROJECT_signingPassword
-    val key = providers.gradleProperty("signingKey").orNull
-    if (key != null) {
-        useInMemoryPgpKeys(key, providers.gradleProperty("signingPassword").orNull)
-        sign(publishing.publications)
-    }
-}
+description = "A compass library for phones: it keeps pointing north when a magnet is put on the phone, and says how far off it may be."
+extra["artifact"] = "magcomp"
+apply(from = rootDir.resolve("gradle/publish.gradle.kts"))

@@ -16,7 +16,7 @@ android {
     }
     buildFeatures { compose = true }
     // Maven compiles the rest too, but not the activity, which needs Google's libraries
-    sourceSets.getByName("main").kotlin.srcDirs("src/activity/kotlin", "../compose")
+    sourceSets.getByName("main").kotlin.srcDirs("src/activity/kotlin")
     // the tests run under Maven, as the library's do
     sourceSets.getByName("test").java.setSrcDirs(emptyList<String>())
     compileOptions {
@@ -35,9 +35,8 @@ android {
 kotlin { compilerOptions { jvmTarget.set(org.jetbrains.kotlin.gradle.dsl.JvmTarget.JVM_1_8) } }
 
 dependencies {
-    implementation(project(":library"))
+    implementation(project(":compose"))
     implementation(libs.compose.foundation)
     implementation(libs.activity.compose)
     implementation(libs.lifecycle.runtime)
-    implementation(libs.lifecycle.runtime.compose)
 }

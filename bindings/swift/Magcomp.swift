@@ -3549,7 +3549,7 @@ fileprivate func FfiConverterTypeCollectingReason_lower(_ value: CompensationSta
      */
     case auto
     /**
-     * The same as `Auto`.
+     * As `Auto` in far less memory: without a usable gyroscope it keeps its calibration, and learns nothing.
      */
     case aided
     /**
@@ -4665,7 +4665,7 @@ extension CompensationStatus {
          */
         case tooLittleRotation
         /**
-         * The gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second.
+         * The gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second, but with method `Aided`, which waits.
          */
         case noGyroscope
 

@@ -56,7 +56,6 @@ public class ReadingBuffer {
         const val {{ leaf.slot }} = {{ leaf.at }}
 {% endfor %}
 {% set n = reading.numbers %}
-{% set figures = (reading.leaves|selectattr("slot", "equalto", "SIGMA_T")|first).at %}
         const val EVENT = {{ n }}
         const val EVENT_TIMES = {{ n + 1 }}
         const val STATUS = {{ n + 5 }}
@@ -64,6 +63,7 @@ public class ReadingBuffer {
         const val FIT_PROBLEM = {{ n + 7 }}
         const val REAL = {{ n + 8 }}
         const val WHOLE = {{ n + 11 }}
+        const val POINTING = {{ n + 15 }}
 
         /** The numbers of a reading but for event and status. */
         const val NUMBERS = {{ n }}
@@ -80,23 +80,13 @@ public class ReadingBuffer {
 {% endfor %}
         fun reading(slots: DoubleArray, at: Int, timeNs: Long): MagneticReading = reading(slots, at, timeNs, event(slots, at), status(slots, at))
 
-        /** Of [slots] the [NUMBERS] alone are read, and those from [SIGMA_T] on of [figures], where they have a place of their own. */
-        fun reading(
-            slots: DoubleArray,
-            at: Int,
-            timeNs: Long,
-            event: FieldEvent?,
-            status: CompensationStatus,
-            figures: DoubleArray = slots,
-            figuresAt: Int = at,
-        ): MagneticReading = MagneticReading(
+        /** Of [slots] the [NUMBERS] alone are read. */
+        fun reading(slots: DoubleArray, at: Int, timeNs: Long, event: FieldEvent?, status: CompensationStatus): MagneticReading = MagneticReading(
             timeNs = timeNs,
 {% for field in reading.fields %}
 {% set first = field.leaves[0] %}
-{% set slots = "figures" if first.at >= figures else "slots" %}
-{% set at = "figuresAt" if first.at >= figures else "at" %}
-{% set number = slots ~ "[" ~ at ~ " + " ~ first.slot ~ "]" %}
-            {{ field.name|camel }} = {% if field.kind == "vector" %}vectorOrNull({{ slots }}, {{ at }} + {{ first.slot }}){% elif field.kind == "real" %}known({{ number }}){% elif field.kind == "count" %}{{ number }}.toInt(){% elif field.kind == "share" %}{{ number }}{% else %}{{ field.name|camel }}({{ slots }}, {{ at }}){% endif %},
+{% set number = "slots[at + " ~ first.slot ~ "]" %}
+            {{ field.name|camel }} = {% if field.kind == "vector" %}vectorOrNull(slots, at + {{ first.slot }}){% elif field.kind == "real" %}known({{ number }}){% elif field.kind == "count" %}{{ number }}.toInt(){% elif field.kind == "share" %}{{ number }}{% else %}{{ field.name|camel }}(slots, at){% endif %},
 {% endfor %}
             event = event,
             status = status,

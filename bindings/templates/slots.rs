@@ -3,6 +3,7 @@
 
 use crate::reading::FlatReading;
 use crate::status::FlatStatus;
+use magcomp::Pointing;
 
 {% set n = reading.numbers %}
 // what comes after the numbers that a reading of `Compass` copies changes seldom, and is kept as objects
@@ -16,8 +17,10 @@ const FIT_PROBLEM: usize = {{ n + 7 }};
 const REAL: usize = {{ n + 8 }};
 /// Two whole numbers.
 const WHOLE: usize = {{ n + 11 }};
+/// What the heading of any axis is formed of, beside the attitude: the numbers of `Pointing`.
+const POINTING: usize = {{ n + 15 }};
 /// Doubles in a reading.
-pub(super) const COUNT: usize = {{ n + 15 }};
+pub(super) const COUNT: usize = {{ n + 20 }};
 
 pub(super) type Slots = [f64; COUNT];
 
@@ -29,7 +32,7 @@ fn write_whole(numbers: [i64; 2], at: usize, out: &mut Slots) {
     }
 }
 
-pub(super) fn of(reading: &FlatReading) -> Slots {
+pub(super) fn of((reading, pointing): &(FlatReading, Option<Pointing>)) -> Slots {
     let mut out = [0.0; COUNT];
 {% for leaf in reading.leaves %}
 {% if leaf.kind == "vector" %}
@@ -48,5 +51,8 @@ pub(super) fn of(reading: &FlatReading) -> Slots {
     out[FIT_PROBLEM] = problem.into();
     out[REAL..REAL + 3].copy_from_slice(&real);
     write_whole(whole, WHOLE, &mut out);
+    out[POINTING..].copy_from_slice(&pointing.map_or([f64::NAN; 5], |it| {
+        [it.lean, it.across_rad2.unwrap_or(f64::NAN), it.tilt_sigma_deg, it.common_rad2, it.declination_deg.unwrap_or(f64::NAN)]
+    }));
     out
 }

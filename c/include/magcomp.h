@@ -134,7 +134,7 @@ enum magcomp_reason
   MAGCOMP_REASON_LOW_UNIFORMITY = 7,
   // Held: the latest fit was refused, or no place on Earth has such a field; the problem is named. Is the sensor's unit microtesla? See `fit_problem`.
   MAGCOMP_REASON_FIT_REFUSED = 8,
-  // Held: the gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second.
+  // Held: the gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second, but with method `Aided`, which waits.
   MAGCOMP_REASON_NO_GYROSCOPE = 9,
   // Held: method `Constant` alone: by choice it follows no changes.
   MAGCOMP_REASON_CONSTANT = 10,

@@ -43,7 +43,7 @@ pub enum Reason {
     LowUniformity = 7,
     /// Held: the latest fit was refused, or no place on Earth has such a field; the problem is named. Is the sensor's unit microtesla? See `fit_problem`.
     FitRefused = 8,
-    /// Held: the gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second.
+    /// Held: the gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second, but with method `Aided`, which waits.
     NoGyroscope = 9,
     /// Held: method `Constant` alone: by choice it follows no changes.
     Constant = 10,

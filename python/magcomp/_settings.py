@@ -7,7 +7,7 @@ import typing
 
 Method = typing.Literal[
     "Auto",  # Gyroscope and gravity beside the magnetometer; works as `Adaptive` while there is no usable gyroscope.
-    "Aided",  # The same as `Auto`.
+    "Aided",  # As `Auto` in far less memory: without a usable gyroscope it keeps its calibration, and learns nothing.
     "Adaptive",  # The magnetometer alone: notices changes, and relearns them as fast as the samples allow.
     "Windowed",  # The paper's: an ellipsoid fit over the latest samples, whose number follows sigma_T.
     "Constant",  # The first step of the paper's method alone: one fit of the first well spread samples, kept from then on.

@@ -21,6 +21,8 @@ struct Phone {
     accelerometer: bool,
     /// The gyroscope repeats its latest reading.
     hangs: bool,
+    /// One of its axes is the other way round.
+    flips: bool,
     rate_rad_s: Vector3<f64>,
 }
 
@@ -35,6 +37,7 @@ impl Phone {
             gyroscope: true,
             accelerometer: true,
             hangs: false,
+            flips: false,
             rate_rad_s: Vector3::zeros(),
         }
     }
@@ -56,7 +59,8 @@ impl Phone {
             if !self.hangs {
                 self.rate_rad_s = reads;
             }
-            let rate_rad_s = self.rate_rad_s;
+            let rate_rad_s =
+                if self.flips { self.rate_rad_s.component_mul(&Vector3::new(1.0, -1.0, 1.0)) } else { self.rate_rad_s };
             compensator.push_rotation_rate(RotationRateSample { time_ns, rate_rad_s }).expect("in order");
         }
         if self.accelerometer {
@@ -170,16 +174,56 @@ fn a_gyroscope_that_hangs_is_out_of_use_until_it_reads_something_else() {
     assert!(angle_deg(&reading.filtered_field_ut.expect("carried"), &phone.field()) < 2.0);
 }
 
-/// `Aided` is another name of `Auto`, with and without a gyroscope.
+/// With a gyroscope `Aided` is `Auto`. Without one it keeps its calibration, says so, and is the less sure; it goes on once the gyroscope is back.
 #[test]
-fn aided_is_auto() {
-    let mut both = [Method::Auto, Method::Aided].map(|method| (compensator(method), Phone::new(9)));
+fn aided_keeps_its_calibration_without_a_gyroscope() {
+    let [(mut auto, mut other), (mut aided, mut phone)] =
+        [Method::Auto, Method::Aided].map(|method| (compensator(method), Phone::new(9)));
     for k in 0..1500 {
-        let [one, other] = both.each_mut().map(|(compensator, phone)| {
-            phone.gyroscope = !(100..300).contains(&k) && !(600..900).contains(&k);
-            phone.advance(compensator)
-        });
-        assert_eq!(one, other, "sample {k}");
+        let (reading, expected) = (phone.advance(&mut aided), other.advance(&mut auto));
+        assert!(k < 2 || reading == expected, "sample {k}: {reading:?}");
+    }
+    phone.gyroscope = false;
+    // a short silence is bridged, and a second of one is no loss
+    phone.run(&mut aided, 150);
+    let of_b = |it: &Compensator| it.covariance().expect("learned").fixed_view::<3, 3>(0, 0).trace();
+    let (before, before_ut2) = (aided.calibration().expect("learned"), of_b(&aided));
+    for k in 0..1000 {
+        let reading = phone.advance(&mut aided);
+        assert_eq!(
+            (reading.status, reading.mode),
+            (Status::Held(HoldReason::NoGyroscope), SensorMode::GravityOnly),
+            "{k}"
+        );
+        let error_deg = angle_deg(&reading.field_ut.expect("corrected"), &phone.field());
+        assert!(error_deg < 8.0 && reading.heading.is_some(), "{error_deg} deg at {k}");
+    }
+    let after = aided.calibration().expect("kept");
+    assert!((after.hard_iron_ut() - before.hard_iron_ut()).norm() < 1e-9 && of_b(&aided) > before_ut2 + 0.1);
+    // a magnet: the status said that nothing follows it
+    phone.truth = phone_like(1.5);
+    assert_eq!(phone.run(&mut aided, 300).status, Status::Held(HoldReason::NoGyroscope));
+    phone.gyroscope = true;
+    let reading = phone.run(&mut aided, 1500);
+    assert!(angle_deg(&reading.filtered_field_ut.expect("carried"), &phone.field()) < 2.0);
+    assert_eq!((reading.status, reading.mode), (Status::Tracking, SensorMode::GyroscopeAndGravity));
+}
+
+/// Nor has `Aided` a use for a gyroscope that hangs, or that gravity and field contradict.
+#[test]
+fn aided_keeps_its_calibration_beside_a_gyroscope_that_reads_nonsense() {
+    for (hangs, flips) in [(true, false), (false, true)] {
+        let (mut phone, truth) = (Phone::new(8), phone_like(1.0));
+        (phone.hangs, phone.flips) = (hangs, flips);
+        let mut aided =
+            Compensator::new(Config { method: Method::Aided, initial: Some(truth), ..Config::default() }).unwrap();
+        phone.run(&mut aided, 3000);
+        for k in 0..1000 {
+            let reading = phone.advance(&mut aided);
+            assert_eq!(reading.status, Status::Held(HoldReason::NoGyroscope), "{hangs}, {flips}, {k}");
+            let error_deg = angle_deg(&reading.field_ut.expect("corrected"), &phone.field());
+            assert!(error_deg < 8.0, "{error_deg} deg at {k}");
+        }
     }
 }
 

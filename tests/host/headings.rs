@@ -1,8 +1,11 @@
 //! Headings against facts worked out by hand and against attitudes known in the world frame.
 
 use magcomp::nalgebra::{Rotation3, Unit, UnitQuaternion, Vector3};
-use magcomp::{ReferenceAxis, ScreenRotation, heading};
-use magcomp_tests::{Random, vectors};
+use magcomp::{
+    Compensator, Config, HeadedAxis, HeadingAid, HeadingConfig, HeadingSample, NorthReference, ReferenceAxis,
+    ScreenRotation, heading,
+};
+use magcomp_tests::{Phone, REF, Random, calibration, vectors};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -306,4 +309,56 @@ fn turning_the_content_with_the_device_changes_nothing() {
             }
         }
     }
+}
+
+/// What one reading knows is the heading of every frame: a compensator of its own for each says the same.
+#[test]
+fn a_reading_has_the_heading_of_every_frame() {
+    let truth = calibration(&REF.map(|v| v * 0.5 + 0.5 * f64::from(u8::from(v > 0.9))), 48.0);
+    let declination_deg = Some(3.0);
+    let mut all: Vec<_> = AXES
+        .into_iter()
+        .flat_map(|axis| ROTATIONS.map(|screen_rotation| (axis, screen_rotation)))
+        .map(|(axis, screen_rotation)| {
+            let heading = HeadingConfig { axis, screen_rotation, declination_deg, ..HeadingConfig::default() };
+            let config = Config { heading, ..Config::default() };
+            (axis, screen_rotation, Phone::new(1, truth), Compensator::new(config).unwrap())
+        })
+        .collect();
+    let (mut headings, mut by_outside, mut nothing) = (0, 0, 0);
+    for k in 0..3000 {
+        let mut first = None;
+        for (axis, rotation, phone, compensator) in &mut all {
+            let sample = phone.sample(compensator);
+            let (expected, pointing) = compensator.push_pointing(sample);
+            if k > 2000 && k % 100 == 0 {
+                let (time_ns, heading_deg) = (phone.time_ns, phone.heading_deg());
+                let axis = HeadedAxis::Device(Vector3::y());
+                let reference = NorthReference::Magnetic;
+                compensator
+                    .push_heading(HeadingSample { time_ns, heading_deg, sigma_deg: 1.0, reference, axis })
+                    .unwrap();
+            }
+            assert_eq!(pointing.is_some(), expected.attitude.is_some());
+            let pointing = *first.get_or_insert(pointing);
+            let Some(pointing) = pointing else {
+                nothing += 1;
+                continue;
+            };
+            by_outside += i32::from(compensator.heading_aid() == Some(HeadingAid::Leads));
+            let near = |a: Option<f64>, b: Option<f64>| (a.unwrap() - b.unwrap()).abs() < 1e-6 * b.unwrap().max(1.0);
+            assert!(near(pointing.attitude().sigma_deg, expected.attitude.unwrap().sigma_deg));
+            let (found, expected) = (pointing.heading(*axis, *rotation), expected.heading);
+            assert_eq!(found.is_some(), expected.is_some());
+            let (Some(found), Some(expected)) = (found, expected) else { continue };
+            assert!(apart(found.heading_deg, expected.heading_deg) < 1e-7, "{found:?} {expected:?}");
+            assert!(apart(found.true_heading_deg.unwrap(), expected.true_heading_deg.unwrap()) < 1e-7);
+            assert!(
+                near(found.heading_sigma_deg, expected.heading_sigma_deg),
+                "{found:?} {expected:?} {axis:?} {rotation:?}"
+            );
+            headings += 1;
+        }
+    }
+    assert!(headings > 20_000 && by_outside > 1000 && nothing > 0, "{headings} {by_outside} {nothing}");
 }

@@ -19,7 +19,9 @@ impl Coarse {
     fn new(method: Method, (gyroscope, accelerometer): (bool, bool), last_bit_ut: f64) -> Self {
         let mut phone = Phone::new(8, calibration(&REF, 45.0));
         (phone.gyroscope, phone.accelerometer) = (gyroscope, accelerometer);
-        let it = Compensator::new(Config { method, ..Config::default() }).expect("a valid config");
+        // which learns nothing without a gyroscope
+        let initial = (method == Method::Aided && !gyroscope).then_some(phone.truth);
+        let it = Compensator::new(Config { method, initial, ..Config::default() }).expect("a valid config");
         Self { phone, it, last_bit_ut, hangs_at_ut: None }
     }
 

@@ -30,7 +30,7 @@ pub extern "C" fn magcomp_push(
     let Some(compensator) = find(handle) else { return CLOSED };
     let Some(out) = out else { return NO_ROOM };
     match flat::push(&compensator, time_ns, Vector3 { x, y, z }, Vector3 { x: bx, y: by, z: bz }) {
-        Ok(reading) => {
+        Ok((reading, _)) => {
             *out = reading;
             ACCEPTED
         }

@@ -61,7 +61,7 @@ impl Compensator {
     /// assumes another clock: it keeps the calibration and begins anew with everything else. At the sensor's full scale
     /// (`Saturated`) a gyroscope carries the field on: the reading has a carried field and a heading, and nothing is learned.
     pub fn push(&self, sample: MagneticSample) -> Result<Reading, MagcompError> {
-        self.push_for(sample, |reading, jump_ut| Reading {
+        self.push_for(sample, |(reading, _), jump_ut| Reading {
             reported_hard_iron_jump_ut: jump_ut,
             ..Reading::from(*reading)
         })
@@ -170,15 +170,15 @@ impl Compensator {
 }
 
 impl Compensator {
-    /// What `answer` makes of the core's reading and of the jump of the operating system's hard iron, microtesla.
+    /// What `answer` makes of the core's reading, of what any heading is formed of, and of the jump of the operating system's hard iron, microtesla.
     pub(crate) fn push_for<R>(
         &self,
         sample: MagneticSample,
-        answer: impl FnOnce(&magcomp::Reading, Option<f64>) -> R,
+        answer: impl FnOnce(&(magcomp::Reading, Option<magcomp::Pointing>), Option<f64>) -> R,
     ) -> Result<R, MagcompError> {
         self.running.with(|running| {
             let jump_ut = running.note_reported(&sample, self.use_reported_hard_iron);
-            Ok(answer(&running.core.push(sample.into()), jump_ut))
+            Ok(answer(&running.core.push_pointing(sample.into()), jump_ut))
         })
     }
 

@@ -18,6 +18,8 @@ use crate::java::{Env, JavaArray};
 use crate::record::{Calibration, Coverage, Vector3};
 use jni::jni_mangle;
 use jni::sys::{jclass, jdouble, jint, jlong};
+use magcomp::Pointing;
+use magcomp::nalgebra::{Quaternion, UnitQuaternion};
 
 /// An array is too short.
 const TOO_SHORT: jint = -3;
@@ -52,11 +54,58 @@ pub fn push(
         Ok(reading) => {
             // the JVM checks the length, and throws IndexOutOfBoundsException
             out.write(env, 0, &slots::of(&reading));
-            reading.status.kind
+            reading.0.status.kind
         }
         Err(code) => code,
     }
 }
+
+/// Of the heading that a reading has in a frame, by the four numbers of its attitude and the five of `Pointing`: the angle from magnetic north, its
+/// sigma, the angle from true north, and the attitude's sigma, degrees, NaN where they are not known.
+#[jni_mangle("org.magcomp.core.FastPath")]
+pub fn heading(
+    env: Env,
+    _class: jclass,
+    numbers: JavaArray<jdouble>,
+    axis: jint,
+    rotation: jint,
+    which: jint,
+) -> jdouble {
+    let mut it = [f64::NAN; 9];
+    numbers.read(env, 0, &mut it);
+    let [w, x, y, z, lean, across_rad2, tilt_sigma_deg, common_rad2, declination_deg] = it;
+    let known = |it: f64| (!it.is_nan()).then_some(it);
+    let to_world = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
+    let pointing = Pointing {
+        to_world,
+        lean,
+        across_rad2: known(across_rad2),
+        tilt_sigma_deg,
+        common_rad2,
+        declination_deg: known(declination_deg),
+    };
+    let (Some(axis), Some(rotation)) = (AXES.get(axis as usize), ROTATIONS.get(rotation as usize)) else {
+        return f64::NAN;
+    };
+    let heading = || pointing.heading(*axis, *rotation);
+    let found = match which {
+        0 => heading().map(|it| it.heading_deg),
+        1 => heading().and_then(|it| it.heading_sigma_deg),
+        2 => heading().and_then(|it| it.true_heading_deg),
+        _ => pointing.attitude().sigma_deg,
+    };
+    found.unwrap_or(f64::NAN)
+}
+
+/// As Kotlin counts them.
+const AXES: [magcomp::ReferenceAxis; 3] =
+    [magcomp::ReferenceAxis::TopEdge, magcomp::ReferenceAxis::Camera, magcomp::ReferenceAxis::Auto];
+const ROTATIONS: [magcomp::ScreenRotation; 4] = [
+    magcomp::ScreenRotation::Deg0,
+    magcomp::ScreenRotation::Deg90,
+    magcomp::ScreenRotation::Deg180,
+    magcomp::ScreenRotation::Deg270,
+];
 
 /// A gyroscope event, rad/s.
 #[jni_mangle("org.magcomp.core.FastPath")]

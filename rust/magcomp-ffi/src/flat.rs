@@ -20,10 +20,12 @@ pub(crate) fn push(
     time_ns: i64,
     field_ut: Vector3,
     reported_ut: Vector3,
-) -> Result<FlatReading, i32> {
+) -> Result<(FlatReading, Option<magcomp::Pointing>), i32> {
     let known = !(reported_ut.x.is_nan() || reported_ut.y.is_nan() || reported_ut.z.is_nan());
     let sample = MagneticSample { time_ns, field_ut, reported_hard_iron_ut: known.then_some(reported_ut) };
-    compensator.push_for(sample, FlatReading::of).map_err(|error| code_of(&error))
+    compensator
+        .push_for(sample, |(reading, pointing), jump_ut| (FlatReading::of(reading, jump_ut), *pointing))
+        .map_err(|error| code_of(&error))
 }
 
 /// A gyroscope event, rad/s.

@@ -72,7 +72,7 @@ pub enum HoldReason {
     AtRest,
     /// The device was hardly turned of late.
     TooLittleRotation,
-    /// The gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second.
+    /// The gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second, but with method `Aided`, which waits.
     NoGyroscope,
 }
 
@@ -248,7 +248,7 @@ pub enum HeadingAid {
 pub enum Method {
     /// Gyroscope and gravity beside the magnetometer; works as `Adaptive` while there is no usable gyroscope.
     Auto,
-    /// The same as `Auto`.
+    /// As `Auto` in far less memory: without a usable gyroscope it keeps its calibration, and learns nothing.
     Aided,
     /// The magnetometer alone: notices changes, and relearns them as fast as the samples allow.
     Adaptive,

@@ -52,12 +52,14 @@ pub fn attitude_sigma_deg(
     covariance_ut2: &Matrix3<f64>,
     tilt_sigma_deg: f64,
 ) -> Option<f64> {
-    sigma_of_level(&Level::of(field_ut, up)?, covariance_ut2, &Tilt { sigma_deg: tilt_sigma_deg, ..Tilt::default() })
+    let level = Level::of(field_ut, up)?;
+    let tilt = Tilt { sigma_deg: tilt_sigma_deg, ..Tilt::default() };
+    sigma_of_level(&level, level.across_rad2(covariance_ut2), &tilt)
 }
 
-/// The same of a field's level frame.
-pub(crate) fn sigma_of_level(level: &Level, covariance_ut2: &Matrix3<f64>, tilt: &Tilt) -> Option<f64> {
-    let about_up_rad2 = level.variance_rad2(covariance_ut2, tilt.variance_rad2(), tilt.common_rad2);
+/// The same of a field's level frame, and of the part of it that the covariance makes ([`Level::across_rad2`]).
+pub(crate) fn sigma_of_level(level: &Level, across_rad2: f64, tilt: &Tilt) -> Option<f64> {
+    let about_up_rad2 = level.variance_of(across_rad2, tilt.variance_rad2(), tilt.common_rad2);
     let about_up_deg = angle_sigma_deg(about_up_rad2)?;
     let sigma = hypot(about_up_deg, tilt.sigma_deg * core::f64::consts::SQRT_2).min(180.0);
     sigma.is_finite().then_some(sigma)

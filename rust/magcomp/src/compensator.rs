@@ -14,13 +14,14 @@ mod tuning;
 mod tunings;
 
 use crate::calibration::Calibration;
-use crate::config::{Config, HeadingConfig, Method};
-use crate::coverage::{Coverage, Guidance};
+use crate::config::{Config, HeadingConfig, Method, WindowedConfig};
+use crate::coverage::{Coverage, FEWEST_KEPT, Guidance};
 use crate::ellipsoid::EllipsoidFit;
 use crate::estimator::Estimator;
 use crate::estimator::answer::{Answer, Counted};
 use crate::explanation::Explanation;
 use crate::north::North;
+use crate::pointing::Pointing;
 use crate::range::ConfigError;
 use crate::reading::{Event, Reading, RejectReason, SensorMode, Status};
 use crate::sample::{MagneticSample, RotationRateSample, UpSample, seconds};
@@ -28,7 +29,6 @@ use crate::sensing::pairing::{EventRejection, InertialPairing, PairedInertial};
 use crate::sensing::stand_in::StandIn;
 use crate::sensing::tilt::Tilt;
 use crate::sensing::witnesses::{Testimony, Witnesses};
-use alloc::boxed::Box;
 use belief::Belief;
 use check::Stream;
 use nalgebra::{SMatrix, Vector3};
@@ -68,7 +68,7 @@ pub use tunings::Tunings;
 pub struct Compensator {
     config: Config,
     tuning: Tuning,
-    estimator: Box<Estimator>,
+    estimator: Estimator,
     guidance: Guidance,
     state: State,
 }
@@ -104,10 +104,12 @@ impl Compensator {
     #[doc(hidden)]
     pub fn tuned(config: Config, tunings: Tunings) -> Result<Self, ConfigError> {
         config.validate()?;
+        let WindowedConfig { n_max, .. } = config.windowed;
+        let kept = if config.method == Method::Aided { n_max.min(FEWEST_KEPT) } else { n_max };
         let mut it = Self {
-            estimator: Box::new(tunings.estimator(&config)),
+            estimator: tunings.estimator(&config),
             tuning: tunings.compensator,
-            guidance: Guidance::new(config.windowed.n_max, config.field_strength_ut),
+            guidance: Guidance::new(kept, config.field_strength_ut),
             state: State { witnesses: Witnesses::new(tunings.witnesses), ..State::default() },
             config,
         };
@@ -162,6 +164,11 @@ impl Compensator {
     /// stays then, and all else begins anew. At the sensor's full scale (`RejectReason::Saturated`) a gyroscope carries the field on:
     /// the reading has a carried field and a heading, and nothing is learned.
     pub fn push(&mut self, sample: MagneticSample) -> Reading {
+        self.push_pointing(sample).0
+    }
+
+    /// The same as [`Self::push`], with what the heading of any axis is formed of; it is there where the reading has an attitude.
+    pub fn push_pointing(&mut self, sample: MagneticSample) -> (Reading, Option<Pointing>) {
         match self.check(&sample) {
             Ok(()) => {}
             Err(reason @ (RejectReason::Saturated { .. } | RejectReason::NotFinite))
@@ -188,12 +195,12 @@ impl Compensator {
         let (status, mut answer) = self.estimator.push(&sample, &paired);
         self.note(&sample, &answer);
         self.state.north.step(sample.time_ns, &mut answer, self.config.heading.declination_deg);
-        let reading = self.assemble(sample.time_ns, status, &answer);
+        let (reading, pointing) = self.assemble(sample.time_ns, status, &answer);
         if let (Status::Tracking, Some(heading)) = (status, &reading.heading) {
             let since_s = previous_ns.map_or(0.0, |previous_ns| seconds(previous_ns, sample.time_ns));
             self.state.belief.see_dip(heading, since_s);
         }
-        reading
+        (reading, pointing)
     }
 
     /// Whether [`Self::push`] would use this sample now, but for [`RejectReason::Axes`], which many samples tell together.
@@ -205,19 +212,17 @@ impl Compensator {
         self.state.stream.check(sample, self.config.range_ut, self.config.rail_ut, &self.tuning, is_told)
     }
 
-    /// The estimator that the sensors allow takes over, from the calibration in force; whether that is the aided one.
+    /// The estimator that the sensors allow takes over, from the calibration in force; whether the rotation is of no use to it.
     fn hand_over(&mut self, time_ns: i64, previous_ns: Option<i64>, testimony: &Testimony) -> bool {
         let State { presence, belief, .. } = &self.state;
         let (Some(is_there), Estimator::ByGyroscope(own)) =
-            (presence.is_there(time_ns, previous_ns), &mut *self.estimator)
+            (presence.is_there(time_ns, previous_ns), &mut self.estimator)
         else {
             return false;
         };
         let is_there = is_there && !testimony.is_gyroscope_dead;
         let is_contradicted = testimony.is_gyroscope_contradicted;
-        matches!(self.config.method, Method::Auto | Method::Aided)
-            && own.follow_gyroscope(is_there, is_contradicted, |given| belief.no_surer_than_usual(given))
-            && is_there
+        own.follow_gyroscope(is_there, is_contradicted, |given| belief.no_surer_than_usual(given))
     }
 
     /// What the other sensors say with a sample, and what the three say of each other.
@@ -249,7 +254,7 @@ impl Compensator {
 
     /// What the estimator knows of the gyroscope tells the pairing.
     fn note_gyroscope(&mut self) {
-        if let Estimator::ByGyroscope(own) = &*self.estimator
+        if let Estimator::ByGyroscope(own) = &self.estimator
             && let Some((bias_rad_s, scale)) = own.gyroscope()
         {
             self.state.pairing.assume(bias_rad_s, scale.diagonal());
@@ -259,12 +264,12 @@ impl Compensator {
     /// Whether a gyroscope can carry on what is known to this time.
     fn can_carry(&self, time_ns: i64) -> bool {
         matches!(self.config.method, Method::Auto | Method::Aided)
-            && (matches!(&*self.estimator, Estimator::ByGyroscope(own) if own.carries()) || self.state.pairing.turns())
+            && (matches!(&self.estimator, Estimator::ByGyroscope(own) if own.carries()) || self.state.pairing.turns())
             && self.state.stream.check_time(time_ns).is_ok()
     }
 
     /// The field of a sample is of no use: the gyroscope carries on what is known.
-    fn carry(&mut self, time_ns: i64, reason: RejectReason) -> Reading {
+    fn carry(&mut self, time_ns: i64, reason: RejectReason) -> (Reading, Option<Pointing>) {
         let previous_ns = self.state.stream.pass(time_ns);
         let (mut paired, testimony) = self.pair(time_ns, previous_ns, None);
         if self.hand_over(time_ns, previous_ns, &testimony) {
@@ -277,7 +282,7 @@ impl Compensator {
         self.assemble(time_ns, Status::Rejected(reason), &answer)
     }
 
-    fn rejected(&self, time_ns: i64, reason: RejectReason) -> Reading {
+    fn rejected(&self, time_ns: i64, reason: RejectReason) -> (Reading, Option<Pointing>) {
         let answer = Answer { mode: self.state.mode, window: self.estimator.window(), ..Answer::default() };
         self.assemble(time_ns, Status::Rejected(reason), &answer)
     }

@@ -12,7 +12,7 @@ pub enum Method {
     /// Gyroscope and gravity beside the magnetometer; works as `Adaptive` while there is no usable gyroscope.
     #[default]
     Auto,
-    /// The same as `Auto`.
+    /// As `Auto` in far less memory: without a usable gyroscope it keeps its calibration, and learns nothing.
     Aided,
     /// The magnetometer alone: notices changes, and relearns them as fast as the samples allow.
     Adaptive,

@@ -140,15 +140,16 @@ pub fn heading_sigma_deg(
     tilt_sigma_deg: f64,
 ) -> Option<f64> {
     let tilt = Tilt { sigma_deg: tilt_sigma_deg, ..Tilt::default() };
-    sigma_of_level(&Level::of(field_ut, up)?, axis, rotation, covariance_ut2, &tilt)
+    let level = Level::of(field_ut, up)?;
+    sigma_of_level(&level, axis, rotation, level.across_rad2(covariance_ut2), &tilt)
 }
 
-/// The same of a field's level frame.
+/// The same of a field's level frame, and of the part of it that the covariance makes ([`Level::across_rad2`]).
 pub(crate) fn sigma_of_level(
     level: &Level,
     axis: ReferenceAxis,
     rotation: ScreenRotation,
-    covariance_ut2: &Matrix3<f64>,
+    across_rad2: f64,
     tilt: &Tilt,
 ) -> Option<f64> {
     let Level { east, north, up, .. } = level;
@@ -166,7 +167,7 @@ pub(crate) fn sigma_of_level(
     // what the field is off by turns with the first of the terms alone
     let common_rad2 = 2.0 * tilt.common_rad2 * to_east * level.vertical / level.horizontal;
     let tilt_rad2 = tilt.variance_rad2() * (to_east * to_east + to_north * to_north);
-    angle_sigma_deg((level.across_rad2(covariance_ut2) + tilt_rad2 - common_rad2).max(0.0))
+    angle_sigma_deg((across_rad2 + tilt_rad2 - common_rad2).max(0.0))
 }
 
 /// The standard deviation of an angle of this variance, degrees; 180 where it knows no direction at all.

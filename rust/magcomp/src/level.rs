@@ -57,8 +57,13 @@ impl Level {
 
     /// Variance of the turn about `up` by which the vector is off, for its covariance, the variance of `up` about a horizontal axis, and C, rad^2.
     pub fn variance_rad2(&self, covariance: &Matrix3<f64>, tilt_rad2: f64, common_rad2: f64) -> f64 {
+        self.variance_of(self.across_rad2(covariance), tilt_rad2, common_rad2)
+    }
+
+    /// The same of the part that is the vector's own.
+    pub fn variance_of(&self, across_rad2: f64, tilt_rad2: f64, common_rad2: f64) -> f64 {
         let own_rad2 = tilt_rad2 - 2.0 * common_rad2;
-        (self.across_rad2(covariance) + own_rad2 * (self.vertical / self.horizontal).powi(2)).max(0.0)
+        (across_rad2 + own_rad2 * (self.vertical / self.horizontal).powi(2)).max(0.0)
     }
 
     /// The part of it that is the vector's own.

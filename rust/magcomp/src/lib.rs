@@ -105,6 +105,7 @@ mod level;
 mod math;
 mod noise;
 mod north;
+mod pointing;
 mod priors;
 mod range;
 mod reading;
@@ -136,6 +137,7 @@ pub use explanation::{
 };
 pub use heading::{Heading, heading, heading_sigma_deg, true_heading_deg};
 pub use kept::{CalibrationSource, KEPT_VERSION, KeptCalibration, KeptError};
+pub use pointing::Pointing;
 pub use range::ConfigError;
 pub use reading::{Event, Reading};
 pub use sample::{

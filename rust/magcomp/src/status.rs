@@ -75,7 +75,7 @@ pub enum HoldReason {
     /// The device was hardly turned of late.
     #[error("turn the device to learn more")]
     TooLittleRotation,
-    /// The gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second.
+    /// The gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second, but with method `Aided`, which waits.
     #[error("the gyroscope is gone; turn the device about")]
     NoGyroscope,
 }

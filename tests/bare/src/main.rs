@@ -67,7 +67,7 @@ fn stream(compensator: &mut Compensator) -> (u64, Option<f64>) {
     (hash.0, heading_deg)
 }
 
-const METHODS: [Method; 3] = [Method::Auto, Method::Adaptive, Method::Windowed];
+const METHODS: [Method; 4] = [Method::Auto, Method::Aided, Method::Adaptive, Method::Windowed];
 
 fn compensator(method: Method) -> Compensator {
     let mut config = Config::default();

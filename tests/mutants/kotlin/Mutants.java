@@ -42,7 +42,9 @@ public class Mutants {
     private static final List<Module> MODULES = List.of(
         new Module("bindings", List.of("android/bindings/src/main/kotlin", "bindings/kotlin"), List.of()),
         new Module("library", List.of("android/library/src/main/kotlin"), List.of(FRIENDS)),
-        new Module("sample", List.of("android/sample/src/main/kotlin", "android/compose", "android/sample/src/maven/kotlin"),
+        new Module("compose", List.of("android/compose/src/main/kotlin", "android/compose/src/maven/kotlin"),
+            List.of("-Xplugin=" + System.getProperty("compose.plugin"))),
+        new Module("sample", List.of("android/sample/src/main/kotlin", "android/compose/src/main/kotlin", "android/compose/src/maven/kotlin"),
             List.of("-Xplugin=" + System.getProperty("compose.plugin"))));
     private static final long MOST_SECONDS = 120;
 

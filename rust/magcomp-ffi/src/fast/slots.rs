@@ -3,6 +3,7 @@
 
 use crate::reading::FlatReading;
 use crate::status::FlatStatus;
+use magcomp::Pointing;
 
 // what comes after the numbers that a reading of `Compass` copies changes seldom, and is kept as objects
 const EVENT: usize = 25;
@@ -15,8 +16,10 @@ const FIT_PROBLEM: usize = 32;
 const REAL: usize = 33;
 /// Two whole numbers.
 const WHOLE: usize = 36;
+/// What the heading of any axis is formed of, beside the attitude: the numbers of `Pointing`.
+const POINTING: usize = 40;
 /// Doubles in a reading.
-pub(super) const COUNT: usize = 40;
+pub(super) const COUNT: usize = 45;
 
 pub(super) type Slots = [f64; COUNT];
 
@@ -28,7 +31,7 @@ fn write_whole(numbers: [i64; 2], at: usize, out: &mut Slots) {
     }
 }
 
-pub(super) fn of(reading: &FlatReading) -> Slots {
+pub(super) fn of((reading, pointing): &(FlatReading, Option<Pointing>)) -> Slots {
     let mut out = [0.0; COUNT];
     out[0..3].copy_from_slice(&reading.field_ut);
     out[3] = reading.field_sigma_ut;
@@ -59,5 +62,8 @@ pub(super) fn of(reading: &FlatReading) -> Slots {
     out[FIT_PROBLEM] = problem.into();
     out[REAL..REAL + 3].copy_from_slice(&real);
     write_whole(whole, WHOLE, &mut out);
+    out[POINTING..].copy_from_slice(&pointing.map_or([f64::NAN; 5], |it| {
+        [it.lean, it.across_rad2.unwrap_or(f64::NAN), it.tilt_sigma_deg, it.common_rad2, it.declination_deg.unwrap_or(f64::NAN)]
+    }));
     out
 }

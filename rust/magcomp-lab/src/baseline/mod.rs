@@ -135,10 +135,10 @@ impl Contestant {
         };
         Ok(Some(match self {
             Self::Adaptive => ours(method(Method::Adaptive))?,
-            Self::Aided => Box::new(Ours::attitude(method(Method::Aided))?),
-            Self::AidedSample => ours(method(Method::Aided))?,
+            Self::Aided => Box::new(Ours::attitude(method(Method::Auto))?),
+            Self::AidedSample => ours(method(Method::Auto))?,
             Self::VqfRaw => Box::new(Vqf::new(value, None)),
-            Self::VqfCorrected => Box::new(Vqf::new(value, Some(ours(method(Method::Aided))?))),
+            Self::VqfCorrected => Box::new(Vqf::new(value, Some(ours(method(Method::Auto))?))),
             Self::VqfTurns => Box::new(Vqf::new(value, Some(Box::new(Turns::default())))),
             Self::XioRaw => Box::new(Xio::default()),
             Self::Fusion => Box::new(Fusion::new(value)),

@@ -75,7 +75,7 @@ pub enum MethodChoice {
     /// The best that the recording's sensors allow
     #[default]
     Auto,
-    /// The same as auto
+    /// That with a gyroscope alone: without one it keeps its calibration
     Aided,
     /// The magnetometer alone, changes noticed by themselves
     Adaptive,

@@ -26,7 +26,7 @@ use crate::sample::MagneticSample;
 use crate::strength::STRONGEST_AXIS_UT;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField as _;
-use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
 
 /// Choice: sizes of changes, each twice the one before: from twice what b moves in days, 4 uT, to beyond the largest, 512 uT.
 const SIZES: usize = ((BEYOND_CHANCE * LARGEST_UT / DAYS_UT) as u32).next_power_of_two().ilog2() as usize;
@@ -35,7 +35,7 @@ type Matrix9 = SMatrix<f64, 9, 9>;
 type Vector9 = SVector<f64, 9>;
 
 /// One summand: log of its weight, mean and covariance of x.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy)]
 struct Summand {
     log_weight: f64,
     mean: Vector9,
@@ -46,14 +46,24 @@ struct Summand {
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Adopted {
     kept: Calibration,
+    covariance: Matrix9,
+    source: CalibrationSource,
     inclination_deg: Option<f64>,
-    summands: [Summand; SIZES + 1],
+    /// p_0.
+    holds: f64,
     /// Time of the first sample, ns.
     since_ns: Option<i64>,
-    /// A total field was seen, with a dip where there was one.
-    is_seen: bool,
-    /// The system's hard iron was heard, or is what was adopted: its later ones are no other evidence.
-    is_heard: bool,
+    /// In the order in which it came. The summands are made of it when they are asked for, since they are large.
+    told: [Option<Evidence>; 2],
+}
+
+/// What was told of it since: each once.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+enum Evidence {
+    /// A total field, with a dip where there was one.
+    Sample { raw_ut: Vector3<f64>, up: Option<Vector3<f64>> },
+    /// The system's hard iron, uT, and its covariance. Where it is what was adopted, its later ones are no other evidence.
+    System { hard_iron_ut: Vector3<f64>, covariance_ut2: Matrix3<f64> },
 }
 
 /// Seconds since a calibration was kept. Of one that was learned at an unknown time, or by another clock, nothing is known.
@@ -69,20 +79,23 @@ impl Adopted {
     pub fn new(kept: &KeptCalibration, unix_time_s: Option<i64>) -> Self {
         let is_learned = kept.source() == CalibrationSource::Learned;
         let at_once = if is_learned { Tuning::USED.changed_between } else { Tuning::USED.never_held };
-        let holds = (1.0 - at_once) * exp(-age_s(kept, unix_time_s) / Tuning::USED.changes_s);
-        let summands = core::array::from_fn(|k| {
-            let (size_ut, weight) = match k {
-                // what was given says itself how well it holds
-                0 => (if is_learned { DAYS_UT } else { 0.0 }, holds),
-                _ => (DAYS_UT * f64::from(1 << k), (1.0 - holds) / SIZES as f64),
-            };
-            let iron = (IRON_PER_UT * size_ut).min(UNSEEN_IRON);
-            let covariance = kept.covariance() + independent(size_ut.powi(2), iron.powi(2));
-            Summand { log_weight: ln(weight), mean: Vector9::zeros(), covariance }
-        });
-        let is_heard = kept.source() == CalibrationSource::System;
-        let (kept, inclination_deg) = (*kept.calibration(), kept.inclination_deg());
-        Self { kept, inclination_deg, summands, since_ns: None, is_seen: false, is_heard }
+        Self {
+            kept: *kept.calibration(),
+            covariance: *kept.covariance(),
+            source: kept.source(),
+            inclination_deg: kept.inclination_deg(),
+            holds: (1.0 - at_once) * exp(-age_s(kept, unix_time_s) / Tuning::USED.changes_s),
+            since_ns: None,
+            told: [None; 2],
+        }
+    }
+
+    /// Takes evidence, but of each kind the first alone. Whether it is something new.
+    fn take(&mut self, new: Evidence) -> bool {
+        let is_same = |it: &Evidence| core::mem::discriminant(it) == core::mem::discriminant(&new);
+        let is_known = self.told.iter().flatten().any(is_same);
+        let place = self.told.iter_mut().find(|it| it.is_none()).filter(|_| !is_known);
+        place.map(|it| *it = Some(new)).is_some()
     }
 
     /// A live sample, with `up` of length 1 where the device is not accelerated. Whether it told something new.
@@ -90,11 +103,41 @@ impl Adopted {
         let since_ns = *self.since_ns.get_or_insert(sample.time_ns);
         let is_late = sample.time_ns.saturating_sub(since_ns) >= (Tuning::USED.gone_s * 1e9) as i64;
         let waits = up.is_none() && self.inclination_deg.is_some() && !is_late;
-        if self.is_seen || waits {
-            return false;
+        !waits && self.take(Evidence::Sample { raw_ut: sample.field_ut, up: up.copied() })
+    }
+
+    /// The system's hard iron: the first that is told beside a calibration of another source. Whether it told something new.
+    pub fn hear(&mut self, system: &KeptCalibration) -> bool {
+        let hard_iron_ut = *system.calibration().hard_iron_ut();
+        let covariance_ut2 = system.covariance().fixed_view::<3, 3>(0, 0).into();
+        self.source != CalibrationSource::System && self.take(Evidence::System { hard_iron_ut, covariance_ut2 })
+    }
+
+    fn summands(&self) -> [Summand; SIZES + 1] {
+        let is_learned = self.source == CalibrationSource::Learned;
+        let mut summands = core::array::from_fn(|k| {
+            let (size_ut, weight) = match k {
+                // what was given says itself how well it holds
+                0 => (if is_learned { DAYS_UT } else { 0.0 }, self.holds),
+                _ => (DAYS_UT * f64::from(1 << k), (1.0 - self.holds) / SIZES as f64),
+            };
+            let iron = (IRON_PER_UT * size_ut).min(UNSEEN_IRON);
+            let covariance = self.covariance + independent(size_ut.powi(2), iron.powi(2));
+            Summand { log_weight: ln(weight), mean: Vector9::zeros(), covariance }
+        });
+        for told in self.told.iter().flatten() {
+            match told {
+                Evidence::Sample { raw_ut, up } => self.see_field(&mut summands, raw_ut, up.as_ref()),
+                Evidence::System { hard_iron_ut, covariance_ut2 } => {
+                    let (r, h) = (hard_iron_ut - self.kept.hard_iron_ut(), SMatrix::<f64, 3, 9>::identity());
+                    summands.iter_mut().for_each(|it| it.measure(&h, &r, covariance_ut2));
+                }
+            }
         }
-        self.is_seen = true;
-        let raw_ut = &sample.field_ut;
+        summands
+    }
+
+    fn see_field(&self, summands: &mut [Summand], raw_ut: &Vector3<f64>, up: Option<&Vector3<f64>>) {
         let (c, strength_ut) = (self.kept.correct(raw_ut), self.kept.field_strength_ut());
         // dc = -W (db + dM c)
         let w = self.kept.soft_iron_inverse();
@@ -114,28 +157,16 @@ impl Adopted {
         let r = Vector2::from(parts.map(|(longer_ut, _)| longer_ut));
         let h = SMatrix::<f64, 2, 9>::from_rows(&parts.map(|(_, direction)| direction.transpose() * by));
         let noise = Matrix2::from_diagonal_element(2.0 * ROOM_UT * ROOM_UT);
-        self.summands.iter_mut().for_each(|it| it.measure(&h, &r, &noise));
-        true
-    }
-
-    /// The system's hard iron: the first that is told beside a calibration of another source. Whether it told something new.
-    pub fn hear(&mut self, system: &KeptCalibration) -> bool {
-        if core::mem::replace(&mut self.is_heard, true) {
-            return false;
-        }
-        let r = system.calibration().hard_iron_ut() - self.kept.hard_iron_ut();
-        let noise = system.covariance().fixed_view::<3, 3>(0, 0).into_owned();
-        let h = SMatrix::<f64, 3, 9>::identity();
-        self.summands.iter_mut().for_each(|it| it.measure(&h, &r, &noise));
-        true
+        summands.iter_mut().for_each(|it| it.measure(&h, &r, &noise));
     }
 
     /// What is believed now; `None` where so little is left of it that a start from nothing is as good.
     pub fn believed(&self) -> Option<Given> {
-        let most = self.summands.iter().fold(f64::NEG_INFINITY, |most, it| most.max(it.log_weight));
-        let weights = self.summands.map(|it| exp(it.log_weight - most));
+        let summands = self.summands();
+        let most = summands.iter().fold(f64::NEG_INFINITY, |most, it| most.max(it.log_weight));
+        let weights = summands.each_ref().map(|it| exp(it.log_weight - most));
         let sum: f64 = weights.iter().sum();
-        let shares = || self.summands.iter().zip(weights.map(|weight| weight / sum));
+        let shares = || summands.iter().zip(weights.map(|weight| weight / sum));
         let mean = shares().fold(Vector9::zeros(), |mean, (it, share)| mean + it.mean * share);
         let covariance = shares().fold(Matrix9::zeros(), |covariance, (it, share)| {
             let off = it.mean - mean;

@@ -98,7 +98,8 @@ impl Compensator {
         self.guidance.look_through(counted.through, counted.samples);
     }
 
-    /// All begins anew, but for the calibration in force.
+    /// All begins anew, but for the calibration in force. Not inlined: a state is large, and a sample hardly ever needs another.
+    #[inline(never)]
     pub(super) fn begin_another_clock(&mut self) {
         let belief = self.state.belief;
         let given = self.estimator.in_force().map(|given| belief.no_surer_than_usual(given));

@@ -2,10 +2,13 @@
 
 use super::tuning::Tuning;
 use crate::config::{Config, Method};
+use crate::estimator::adaptive::{self, Adaptive};
+use crate::estimator::aided::{self, Aided};
 use crate::estimator::paper::Windowed;
-use crate::estimator::{ByGyroscope, Estimator, adaptive, aided};
+use crate::estimator::{ByGyroscope, Estimator, Own};
 use crate::sensing::witnesses;
 use crate::tuning::{Choice, Mechanism};
+use alloc::boxed::Box;
 
 /// The choices of every estimator, and the switches of every part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -20,11 +23,16 @@ impl Tunings {
     /// The estimator of a validated config. All memory is taken here.
     pub(super) fn estimator(self, config: &Config) -> Estimator {
         let (windowed, strength_ut) = (config.windowed, config.field_strength_ut);
-        let of_paper = |is_constant| Estimator::Windowed(Windowed::new(is_constant, windowed, strength_ut));
+        let of_paper = |is_constant| Estimator::Windowed(Box::new(Windowed::new(is_constant, windowed, strength_ut)));
+        let aided = || Box::new(Aided::new(self.aided, strength_ut));
+        let adaptive = || Box::new(Adaptive::new(self.adaptive, strength_ut, None));
+        let ours = |own| Estimator::ByGyroscope(Box::new(ByGyroscope::new(own, windowed)));
         match config.method {
             Method::Windowed => of_paper(false),
             Method::Constant => of_paper(true),
-            _ => Estimator::ByGyroscope(ByGyroscope::new(self.adaptive, self.aided, strength_ut, windowed)),
+            Method::Auto => ours(Own::Both(aided(), adaptive())),
+            Method::Aided => ours(Own::Aided(aided())),
+            Method::Adaptive => ours(Own::Adaptive(adaptive())),
         }
     }
 

@@ -11,6 +11,8 @@ use nalgebra::Vector3;
 /// Choice: interval, in samples, of work that is too costly for each of them: 0.25 s at 100 Hz, which nobody sees on a screen. The directions of the latest
 /// ten times as many are found anew when the calibration they are seen through is no longer right (tests/instructions.sh).
 const ANEW_SAMPLES: usize = 25;
+/// The least that are kept.
+pub(crate) const FEWEST_KEPT: usize = 10 * ANEW_SAMPLES;
 /// Choice: it is no longer right when the centre has moved by this many field strengths: less than the width of a cell, 0.5.
 const ANEW_SHIFT: f64 = 0.2;
 
@@ -20,16 +22,16 @@ pub(crate) struct Guidance {
     pub coverage: Coverage,
     /// Directions are counted as seen through this.
     through: Option<Calibration>,
-    /// The latest N_max samples at the most, oldest first, in half the memory.
+    /// The latest samples, oldest first, in half the memory.
     latest: Roomy<VecDeque<Vector3<f32>>>,
     samples: usize,
     longest: usize,
-    /// Of the latest samples that count, while there is no calibration.
+    /// Of the latest samples that count, while there is no calibration; where fewer are kept, of at least those.
     moments: Moments,
 }
 
 impl Guidance {
-    /// For windows of N_max samples at most, in a field of this strength (uT) where it is known. All memory is taken here.
+    /// Keeps so many samples, in a field of this strength (uT) where it is known. All memory is taken here.
     pub fn new(longest: usize, strength_ut: Option<f64>) -> Self {
         Self {
             coverage: Coverage::default(),
@@ -62,6 +64,9 @@ impl Guidance {
             // the sample enters the moments, and those that count no longer leave
             if self.latest.is_empty() {
                 self.moments = Moments::new(*raw_ut, self.moments.scale_ut());
+            } else if self.moments.count() >= window && self.moments.count() > self.latest.len() {
+                self.moments = Moments::new(*self.moments.centre_ut(), self.moments.scale_ut());
+                self.latest.iter().for_each(|raw_ut| self.moments.add(&raw_ut.cast()));
             }
             while self.moments.count() >= window.max(1) {
                 self.moments.remove(&self.latest[self.latest.len() - self.moments.count()].cast());
@@ -89,7 +94,7 @@ impl Guidance {
         };
         self.through = Some(through);
         self.coverage = Coverage::default();
-        let old = self.latest.len() - self.latest.len().min(window).min(10 * ANEW_SAMPLES);
+        let old = self.latest.len() - self.latest.len().min(window).min(FEWEST_KEPT);
         for raw_ut in self.latest.iter().skip(old) {
             self.coverage.see(Some(&through.correct(&raw_ut.cast())));
         }

@@ -7,4 +7,4 @@ mod guidance;
 mod tests;
 
 pub use cells::{CELLS, Coverage};
-pub(crate) use guidance::Guidance;
+pub(crate) use guidance::{FEWEST_KEPT, Guidance};

@@ -1,10 +1,10 @@
-//! Our two estimators, and which of them answers: with a gyroscope the aided one, without one the adaptive one, and of both while a start
-//! tries them the one that knows more. Each begins anew in memory that was taken once.
+//! Our two estimators, where a method has both, and which of them answers: with a gyroscope the aided one, without one the adaptive one, and of both while
+//! a start tries them the one that knows more. Each begins anew in memory that was taken once.
 //!
 //! A gyroscope that is contradicted, as the other two witnesses have it (`compensator`), is tried beside the magnetometer alone, until it no longer is.
 
-use super::adaptive::{self, Adaptive};
-use super::aided::{self, Aided};
+use super::adaptive::Adaptive;
+use super::aided::Aided;
 use super::answer::{Answer, Counted, Known};
 use super::figures::Figures;
 use crate::calibration::Given;
@@ -14,96 +14,129 @@ use crate::priors::SETTLED_S;
 use crate::reading::Status;
 use crate::sample::MagneticSample;
 use crate::sensing::pairing::PairedInertial;
+use alloc::boxed::Box;
 use nalgebra::{Matrix3, SMatrix, Vector3};
+
+/// The estimators that a method has, each as new while it has no samples.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub(crate) enum Own {
+    /// `Method::Auto`.
+    Both(Box<Aided>, Box<Adaptive>),
+    /// `Method::Aided`: without a gyroscope it keeps its calibration.
+    Aided(Box<Aided>),
+    /// `Method::Adaptive`.
+    Adaptive(Box<Adaptive>),
+}
 
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct ByGyroscope {
-    tuning: aided::Tuning,
-    strength_ut: Option<f64>,
-    adaptive: Adaptive,
-    /// While it is there: samples go to the aided estimator.
-    gyroscope: Option<Gyroscope>,
+    own: Own,
+    gyroscope: Gyroscope,
+    /// What the aided one alone began from, until it is in use: what it makes of a gyroscope that reads nonsense does not count.
+    given: Option<Given>,
     /// The other sensors do not turn as the gyroscope says.
     is_contradicted: bool,
     figures: Figures,
 }
 
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-struct Gyroscope {
-    aided: Aided,
-    /// It has led to a first calibration. Before that, samples go to both once it has broken off, since one that stutters never does, or
-    /// while it is contradicted.
-    is_in_use: bool,
+/// While it is there: samples go to the aided estimator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+enum Gyroscope {
+    Absent,
+    /// It has led to no first calibration yet: samples go to both once it has broken off, since one that stutters never does, or while it is contradicted.
+    Tried,
+    InUse,
 }
 
 impl ByGyroscope {
-    /// Begins with the one that needs no gyroscope. All memory is taken here.
-    pub fn new(
-        adaptive: adaptive::Tuning,
-        tuning: aided::Tuning,
-        strength_ut: Option<f64>,
-        windowed: WindowedConfig,
-    ) -> Self {
-        let (adaptive, figures) = (Adaptive::new(adaptive, strength_ut, None), Figures::new(windowed));
-        Self { tuning, strength_ut, adaptive, gyroscope: None, is_contradicted: false, figures }
+    /// Begins without a gyroscope. All memory is taken here.
+    pub fn new(own: Own, windowed: WindowedConfig) -> Self {
+        Self { own, gyroscope: Gyroscope::Absent, given: None, is_contradicted: false, figures: Figures::new(windowed) }
     }
 
     pub fn restart(&mut self) {
-        self.gyroscope = None;
-        self.adaptive.restart(None);
+        self.begin_anew(None);
         self.figures.restart();
     }
 
     /// Begins with what is given, without a gyroscope: the aided one takes over with the next rotation.
     pub fn begin_from(&mut self, given: Option<Given>) {
-        self.gyroscope = None;
-        self.adaptive.restart(given);
+        self.begin_anew(given);
         self.figures.look_through(given.map(|given| given.calibration));
     }
 
-    /// The gyroscope is there now, or no longer, and whether it is contradicted. Returns true where the estimator changes: the new one starts from the
-    /// calibration in force, widened by `given`.
+    fn begin_anew(&mut self, given: Option<Given>) {
+        self.gyroscope = Gyroscope::Absent;
+        self.given = given.filter(|_| matches!(self.own, Own::Aided(_)));
+        match &mut self.own {
+            Own::Both(aided, adaptive) => {
+                aided.restart(None);
+                adaptive.restart(given);
+            }
+            Own::Aided(aided) => aided.restart(given),
+            Own::Adaptive(adaptive) => adaptive.restart(given),
+        }
+    }
+
+    /// The gyroscope is there now, or no longer, and whether it is contradicted. Returns true where a rotation is of no use: the estimator changes, and the
+    /// new one starts from the calibration in force, widened by `given`; or there is but one, and no gyroscope for it.
     pub fn follow_gyroscope(
         &mut self,
         is_there: bool,
         is_contradicted: bool,
         given: impl FnOnce(Given) -> Given,
     ) -> bool {
-        self.is_contradicted = is_contradicted;
-        let is_in_use = self.gyroscope.as_ref().map(|it| it.is_in_use);
-        if is_there == is_in_use.is_some() && !(is_contradicted && is_in_use == Some(true)) {
+        if matches!(self.own, Own::Adaptive(_)) {
             return false;
         }
-        let given = self.in_force().map(given);
-        if is_in_use == Some(true) {
-            self.adaptive.restart(given);
+        let was_contradicted = core::mem::replace(&mut self.is_contradicted, is_contradicted);
+        let (is_in_use, is_alone) = (self.gyroscope == Gyroscope::InUse, matches!(self.own, Own::Aided(_)));
+        let is_refuted = is_contradicted && (is_in_use || is_alone && !was_contradicted);
+        if is_there == self.carries() && !is_refuted {
+            return is_alone && (is_contradicted || !is_there);
         }
-        self.gyroscope = is_there.then(|| {
-            let mut aided = Aided::new(self.tuning, self.strength_ut);
-            given.iter().for_each(|given| aided.begin_from(given));
-            Gyroscope { aided, is_in_use: false }
-        });
+        let given = if is_alone && !is_in_use { self.given } else { self.in_force() }.map(given);
+        self.gyroscope = if is_there { Gyroscope::Tried } else { Gyroscope::Absent };
+        match &mut self.own {
+            Own::Both(aided, adaptive) => {
+                if is_in_use {
+                    adaptive.restart(given);
+                }
+                aided.restart(given.filter(|_| is_there));
+            }
+            Own::Aided(aided) => {
+                self.given = given;
+                // a filter waits for the gyroscope, and is the less sure the longer
+                if is_refuted || !aided.has_learned() {
+                    aided.restart(given);
+                }
+            }
+            Own::Adaptive(_) => {}
+        }
         true
     }
 
     pub fn push(&mut self, sample: &MagneticSample, paired: &PairedInertial) -> (Status, Answer) {
         let MagneticSample { time_ns, field_ut: raw_ut } = *sample;
-        let (adaptive, is_contradicted) = (&mut self.adaptive, self.is_contradicted);
-        let (status, mut answer) = match &mut self.gyroscope {
-            None => adaptive.push(time_ns, &raw_ut, paired.up_m_s2),
-            Some(Gyroscope { aided, is_in_use }) => {
+        let (gyroscope, is_contradicted) = (self.gyroscope, self.is_contradicted);
+        let (status, mut answer) = match &mut self.own {
+            Own::Aided(aided) => aided.push(time_ns, raw_ut, paired),
+            Own::Both(aided, adaptive) if gyroscope != Gyroscope::Absent => {
                 let mut told = aided.push(time_ns, raw_ut, paired);
-                if !*is_in_use && is_doubted(aided, is_contradicted) {
+                if gyroscope == Gyroscope::Tried && is_doubted(aided, is_contradicted) {
                     let other = adaptive.push(time_ns, &raw_ut, paired.up_m_s2);
                     if !knows_more(aided, adaptive, is_contradicted) {
                         let carry = told.1.carry.filter(|_| !is_contradicted);
                         told = (other.0, Answer { carry, ..other.1 });
                     }
                 }
-                *is_in_use |= aided.has_learned() && !is_contradicted;
                 told
             }
+            Own::Both(_, adaptive) | Own::Adaptive(adaptive) => adaptive.push(time_ns, &raw_ut, paired.up_m_s2),
         };
+        if gyroscope == Gyroscope::Tried && !is_contradicted && self.aided().is_some_and(Aided::has_learned) {
+            (self.gyroscope, self.given) = (Gyroscope::InUse, None);
+        }
         let known = self.figures.is_due(sample.time_ns).then(|| self.known());
         self.figures.finish(&mut answer, sample, known);
         answer.window = self.window();
@@ -112,55 +145,89 @@ impl ByGyroscope {
 
     /// Whether there is a gyroscope that carries on where the field points.
     pub fn carries(&self) -> bool {
-        self.gyroscope.is_some()
+        self.gyroscope != Gyroscope::Absent
+    }
+
+    /// The aided one, while there is a gyroscope.
+    fn aided(&self) -> Option<&Aided> {
+        match &self.own {
+            Own::Both(aided, _) | Own::Aided(aided) if self.carries() => Some(aided),
+            _ => None,
+        }
     }
 
     /// A sample whose field is of no use: the gyroscope carries on where it points. The magnetometer alone has nothing to say.
     pub fn carry(&mut self, time_ns: i64, paired: &PairedInertial) -> Answer {
-        self.gyroscope.as_mut().map_or_else(Answer::default, |it| it.aided.carry(time_ns, paired))
+        match &mut self.own {
+            Own::Both(aided, _) | Own::Aided(aided) if self.gyroscope != Gyroscope::Absent => {
+                aided.carry(time_ns, paired)
+            }
+            _ => Answer::default(),
+        }
     }
 
     pub fn window(&self) -> usize {
-        if self.carries() { self.counted().samples } else { self.adaptive.window() }
+        match &self.own {
+            Own::Both(_, adaptive) | Own::Adaptive(adaptive) if !self.carries() => adaptive.window(),
+            _ => self.counted().samples,
+        }
     }
 
     pub fn counted(&self) -> Counted<'_> {
         self.figures.counted()
     }
 
-    /// The aided one, where it answers.
-    fn answering(&self) -> Option<&Aided> {
-        let Gyroscope { aided, is_in_use } = self.gyroscope.as_ref()?;
-        (*is_in_use || knows_more(aided, &self.adaptive, self.is_contradicted)).then_some(aided)
+    /// The one that answers.
+    fn answering(&self) -> Result<&Aided, &Adaptive> {
+        let (aided, adaptive) = match &self.own {
+            Own::Aided(aided) => return Ok(aided),
+            Own::Adaptive(adaptive) => return Err(adaptive),
+            Own::Both(aided, adaptive) => (aided, adaptive),
+        };
+        match self.gyroscope {
+            Gyroscope::InUse => Ok(aided),
+            Gyroscope::Tried if knows_more(aided, adaptive, self.is_contradicted) => Ok(aided),
+            _ => Err(adaptive),
+        }
+    }
+
+    /// What was given, while no sample has come.
+    fn untouched(&self) -> Option<Given> {
+        match self.answering() {
+            Ok(aided) => self.given.filter(|_| aided.is_untouched()),
+            Err(adaptive) => adaptive.untouched().filter(|_| !self.carries()),
+        }
     }
 
     /// What the one that answers knows.
     pub fn known(&self) -> Known {
-        let adaptive = &self.adaptive;
+        if let Some(given) = self.untouched() {
+            return Known { calibration: Some(given.calibration), covariance: None };
+        }
         match self.answering() {
-            Some(aided) => Known { calibration: aided.calibration(), covariance: aided.covariance() },
-            None => Known { calibration: adaptive.calibration(), covariance: adaptive.covariance() },
+            Ok(aided) => Known { calibration: aided.calibration(), covariance: aided.covariance() },
+            Err(adaptive) => Known { calibration: adaptive.calibration(), covariance: adaptive.covariance() },
         }
     }
 
     /// The calibration in force; what was given, while no sample has come.
     pub fn in_force(&self) -> Option<Given> {
-        self.adaptive.untouched().filter(|_| !self.carries()).or_else(|| self.known().in_force())
+        self.untouched().or_else(|| self.known().in_force())
     }
 
     pub fn has_learned(&self) -> bool {
-        self.answering().map_or_else(|| self.adaptive.has_learned(), Aided::has_learned)
+        self.answering().map_or_else(Adaptive::has_learned, Aided::has_learned)
     }
 
     pub fn explain(&self) -> Explanation {
-        let tries_both = |it: &Gyroscope| !it.is_in_use && is_doubted(&it.aided, self.is_contradicted);
-        let tries_both = self.gyroscope.as_ref().is_some_and(tries_both);
-        Explanation { tries_both, ..self.answering().map_or_else(|| self.adaptive.explain(), Aided::explain) }
+        let doubts = |aided| self.gyroscope == Gyroscope::Tried && is_doubted(aided, self.is_contradicted);
+        let tries_both = matches!(&self.own, Own::Both(aided, _) if doubts(aided));
+        Explanation { tries_both, ..self.answering().map_or_else(Adaptive::explain, Aided::explain) }
     }
 
     /// Bias of the gyroscope, rad/s, and its scale error, while it is there: true rate = (I - scale) reading - bias.
     pub fn gyroscope(&self) -> Option<(Vector3<f64>, Matrix3<f64>)> {
-        self.gyroscope.as_ref().map(|it| it.aided.gyroscope())
+        self.aided().map(Aided::gyroscope)
     }
 }
 

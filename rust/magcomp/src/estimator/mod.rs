@@ -13,16 +13,16 @@ use crate::explanation::Explanation;
 use crate::reading::Status;
 use crate::sample::MagneticSample;
 use crate::sensing::pairing::PairedInertial;
+use alloc::boxed::Box;
 use answer::{Answer, Counted, Known};
-pub(crate) use by_gyroscope::ByGyroscope;
+pub(crate) use by_gyroscope::{ByGyroscope, Own};
 use paper::Windowed;
 
 /// The estimator that a config asks for.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-#[expect(clippy::large_enum_variant, reason = "there is one, and it stands in a box")]
 pub(crate) enum Estimator {
-    ByGyroscope(ByGyroscope),
-    Windowed(Windowed),
+    ByGyroscope(Box<ByGyroscope>),
+    Windowed(Box<Windowed>),
 }
 
 impl Estimator {

@@ -95,16 +95,15 @@ pub(crate) struct Descent<P> {
 /// Descends from a place until `is_last` says so of a step.
 pub(crate) fn descend<const N: usize, C: Cost<N>>(
     cost: &C,
-    from: C::Place,
+    mut place: C::Place,
     limits: Limits,
     mut is_last: impl FnMut(&Step) -> bool,
 ) -> Descent<C::Place> {
-    let (mut place, mut damping) = (from, 0.0);
+    let mut damping = 0.0;
     for iteration in 1..=limits.iterations {
-        let Some((next, step)) = one_step(cost, &place, damping, limits.dampings) else {
+        let Some(step) = one_step(cost, &mut place, damping, limits.dampings) else {
             return Descent { place, iterations: iteration, termination: Termination::Stalled };
         };
-        place = next;
         if is_last(&step) {
             return Descent { place, iterations: iteration, termination: Termination::Converged };
         }
@@ -113,30 +112,43 @@ pub(crate) fn descend<const N: usize, C: Cost<N>>(
     Descent { place, iterations: limits.iterations, termination: Termination::MaxIterations }
 }
 
-/// The step by the least damping, from `damping` on, that lowers the cost.
+/// Takes the step by the least damping, from `damping` on, that lowers the cost.
 fn one_step<const N: usize, C: Cost<N>>(
     cost: &C,
-    from: &C::Place,
+    from: &mut C::Place,
     mut damping: f64,
     dampings: usize,
-) -> Option<(C::Place, Step)> {
+) -> Option<Step> {
     let Derivatives { gradient, hessian } = cost.derivatives(from);
     let value = cost.value(from);
     for _ in 0..dampings {
-        let mut damped = hessian;
-        if damping > 0.0 {
-            let scale = cost.scale(from, &hessian);
-            (0..N).for_each(|i| damped[(i, i)] += damping * scale[i]);
-        }
         let most = if damping == 0.0 { value * (1.0 + ROUNDING) } else { value };
-        if let Some(step) = ldl::solve(&damped, &-gradient)
+        if let Some(step) = damped_step(cost, from, damping, &gradient, &hessian)
             && let Some(next) = cost.after(from, &step)
             && cost.value(&next) <= most
         {
             let gain = value - cost.value(&next);
-            return Some((next, Step { size: step.amax(), gain, damping }));
+            *from = next;
+            return Some(Step { size: step.amax(), gain, damping });
         }
         damping = if damping == 0.0 { FIRST_DAMPING } else { damping * GROWS };
     }
     None
+}
+
+/// -(H + mu D)^-1 g. Not inlined: its matrices are off the stack while the cost is worked out where the step leads to.
+#[inline(never)]
+fn damped_step<const N: usize, C: Cost<N>>(
+    cost: &C,
+    from: &C::Place,
+    damping: f64,
+    gradient: &SVector<f64, N>,
+    hessian: &SMatrix<f64, N, N>,
+) -> Option<SVector<f64, N>> {
+    let mut damped = *hessian;
+    if damping > 0.0 {
+        let scale = cost.scale(from, hessian);
+        (0..N).for_each(|i| damped[(i, i)] += damping * scale[i]);
+    }
+    ldl::solve(&damped, &-gradient)
 }

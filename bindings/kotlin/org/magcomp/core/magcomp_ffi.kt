@@ -4146,7 +4146,7 @@ enum class CompensationMethod {
      */
     AUTO,
     /**
-     * The same as `Auto`.
+     * As `Auto` in far less memory: without a usable gyroscope it keeps its calibration, and learns nothing.
      */
     AIDED,
     /**
@@ -5119,7 +5119,7 @@ sealed class HoldReason {
 
 
     /**
-     * The gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second.
+     * The gyroscope is gone or reads nonsense; the magnetometer alone takes over within a second, but with method `Aided`, which waits.
      */
     data object NoGyroscope : HoldReason()
 

@@ -53,15 +53,6 @@ struct Parent {
     state: State,
 }
 
-impl Parent {
-    /// A change of this kind since a frame, known as `base`.
-    fn child(&self, kind: Kind, base: State, lin: Tau, number: u64, onset_ns: i64) -> Filter {
-        let mut child = Filter::new(kind, base, lin, number, onset_ns);
-        (child.parent, child.former) = (self.id, (kind != Kind::Place).then_some(self.known));
-        child
-    }
-}
-
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Bank {
     pub all: Roomy<Vec<Filter>>,
@@ -182,7 +173,18 @@ impl Bank {
         self.prune(tuning);
     }
 
+    /// A change of this kind begins with this frame, known as `base`.
+    #[inline(never)]
+    fn begin(&mut self, parent: &Parent, kind: Kind, id: u32, base: State, frame: &Frame) -> Option<&mut Filter> {
+        let lin = base.tau();
+        let mut child = Filter::new(kind, base, lin, self.frames.next, frame.time_ns);
+        (child.id, child.parent, child.former) = (id, parent.id, (kind != Kind::Place).then_some(parent.known));
+        self.all.push(child);
+        self.all.last_mut()
+    }
+
     /// Changes that begin with this frame. One that surprises may be of any kind; without surprise a change is a small one, and sudden.
+    #[inline(never)]
     fn spawn(&mut self, place: usize, frame: &Frame, surprised: bool, seconds: f64, tuning: &Tuning) {
         let parent = &self.all[place];
         let likely = parent.log_joint();
@@ -196,40 +198,41 @@ impl Bank {
             let mut base = parent.state.clone();
             base.moves_to(differs, frame.time_ns);
             base.log = log(tuning.places_per_h) - LN_2;
-            let mut child = parent.child(Kind::Place, base, parent.known.mean, self.frames.next, frame.time_ns);
-            (child.id, child.size) = (of_place, size);
-            self.all.push(child);
+            self.begin(&parent, Kind::Place, of_place, base, frame).into_iter().for_each(|it| it.size = size);
         }
         if let Some(former) = self.former.filter(|_| surprised && tuning.recall) {
             let mut base = parent.state.with(&former);
             base.log = log_device;
-            let mut child = parent.child(Kind::Former, base, former.mean, self.frames.next, frame.time_ns);
-            child.id = of_device;
-            self.all.push(child);
+            self.begin(&parent, Kind::Former, of_device, base, frame);
         }
         self.spawn_motions(place, &parent, frame, of_device, log_device + LN_2, tuning);
     }
 
     /// b that rests may drift or slide from here on, where that is not tried already. A slide is a change of its own.
+    #[inline(never)]
     fn spawn_motions(&mut self, place: usize, parent: &Parent, frame: &Frame, id: u32, log: f64, tuning: &Tuning) {
         let best = &self.all[place];
         if !tuning.moves || best.motion != Motion::Rests {
             return;
         }
-        let (number, likely) = (self.frames.next, best.log_joint());
-        let slide = parent.child(Kind::Device, parent.state.clone(), parent.known.mean, number, frame.time_ns);
-        for (motion, from, id) in [(Motion::Drifts, best.clone(), best.id), (Motion::Slides, slide, id)] {
-            if self.all.iter().any(|it| it.motion == motion && it.log_joint() > likely - 9.0) {
-                continue;
-            }
-            let mut fork = from.fork(motion, number, log, tuning, self.unit_ut);
-            fork.id = id;
-            self.keep(|_, it| it.motion != motion);
+        let (number, unit_ut, likely) = (self.frames.next, self.unit_ut, best.log_joint());
+        let is_tried =
+            |all: &[Filter], motion| all.iter().any(|it| it.motion == motion && it.log_joint() > likely - 9.0);
+        if !is_tried(&self.all, Motion::Drifts) {
+            let fork = best.fork(Motion::Drifts, number, log, tuning, unit_ut);
+            self.keep(|_, it| it.motion != Motion::Drifts);
             self.all.push(fork);
+        }
+        if !is_tried(&self.all, Motion::Slides) {
+            self.keep(|_, it| it.motion != Motion::Slides);
+            if let Some(child) = self.begin(parent, Kind::Device, id, parent.state.clone(), frame) {
+                *child = child.fork(Motion::Slides, number, log, tuning, unit_ut);
+            }
         }
     }
 
     /// Steps of b and M of each size, sudden ones and such as take a while.
+    #[inline(never)]
     fn spawn_device_steps(
         &mut self,
         parent: &Parent,
@@ -251,16 +254,16 @@ impl Bank {
             base.widen(step / self.unit_ut, IRON_PER_UT * step * scale);
             base.begin_spread();
             base.log = log;
-            let mut child = parent.child(Kind::Device, base, parent.known.mean, number, frame.time_ns);
-            (child.id, child.size, child.takes_time) = (id, size, takes_time);
-            child.leap = (tuning.leap && size == Size::Magnet && number > LATELY).then(|| Leap {
-                known: honest,
+            let leap = (tuning.leap && size == Size::Magnet && number > LATELY).then(|| Leap {
+                noise: parent.state.noise(),
                 from: self.frames.at(number - 1).u,
                 from_ns: self.frames.at(number - 1).time_ns,
                 turning: self.turning(),
                 step: step / self.unit_ut,
             });
-            self.all.push(child);
+            if let Some(child) = self.begin(parent, Kind::Device, id, base, frame) {
+                (child.size, child.takes_time, child.leap) = (size, takes_time, leap);
+            }
         }
     }
 
@@ -275,6 +278,7 @@ impl Bank {
     }
 
     /// Starts on the other side of the best hypothesis' samples.
+    #[inline(never)]
     fn twins(&mut self, tuning: &Tuning) {
         let Some(mut twin) = self.best().cloned() else { return };
         let n = twin.length(&self.frames).max(1) as f64;

@@ -73,8 +73,8 @@ impl Motion {
 /// A large change of the device, before it is done: b changes by what the field does meanwhile, but for what the device turns.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Leap {
-    /// What was known before it.
-    pub known: Gaussian,
+    /// Along which axis noise told of b before it, and the least variance there: with `former` what was known.
+    pub noise: Option<(Vector3<f64>, f64)>,
     /// The last frame before it: where, units, and when.
     pub from: Vector3<f64>,
     pub from_ns: i64,
@@ -198,7 +198,7 @@ impl Filter {
         if variance >= leap.step * leap.step {
             return;
         }
-        let mut known = leap.known;
+        let Some(mut known) = self.former.map(|former| former.without(leap.noise)) else { return };
         (0..3).for_each(|i| known.mean[6 + i] += by[i]);
         // how probable such a change is, in three numbers; another place may turn the field by about as much as the device turns
         let log = self.base.log + 1.5 * ln(variance / (leap.step * leap.step));

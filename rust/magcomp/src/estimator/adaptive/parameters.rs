@@ -44,6 +44,18 @@ impl Gaussian {
         by_tau.dot(&(self.covariance * by_tau)).max(0.0)
     }
 
+    /// The same, without what noise tells of b along an axis, where it can't be known better than with a variance.
+    pub fn without(mut self, noise: Option<(Vector3<f64>, f64)>) -> Self {
+        if let Some((axis, least)) = noise {
+            let by_axis = self.covariance.fixed_columns::<3>(6) * axis;
+            let variance = by_axis.fixed_rows::<3>(6).dot(&axis);
+            if variance < least {
+                self.covariance += by_axis * by_axis.transpose() * ((least - variance) / (variance * variance));
+            }
+        }
+        self
+    }
+
     /// Expected mean square angle, over all directions, between those corrected by tau and by its mean, rad^2: an error dtau
     /// turns the unit vector n by the part of dT T^-1 n - T dbeta across n.
     pub fn error(&self) -> f64 {

@@ -320,17 +320,14 @@ impl State {
         Gaussian { mean: self.tau(), covariance: self.p.fixed_view::<COUNT, COUNT>(0, 0).into() }
     }
 
+    /// Along which axis noise tells of b, and the least variance that can be known there.
+    pub fn noise(&self) -> Option<(Vector3<f64>, f64)> {
+        self.spread.least(&shape(&self.tau()))
+    }
+
     /// What is known, without what only noise tells.
     pub fn honest(&self) -> Gaussian {
-        let mut known = self.known();
-        if let Some((axis, least)) = self.spread.least(&shape(&known.mean)) {
-            let by_axis = known.covariance.fixed_columns::<3>(6) * axis;
-            let variance = by_axis.fixed_rows::<3>(6).dot(&axis);
-            if variance < least {
-                known.covariance += by_axis * by_axis.transpose() * ((least - variance) / (variance * variance));
-            }
-        }
-        known
+        self.known().without(self.noise())
     }
 
     /// What is known now is what is known before what comes.

@@ -13,7 +13,7 @@ use super::groups::{Groups, Seen};
 use super::measure::Model;
 use super::state::{AXES, BIAS, CALIBRATION, DELAY, FIELD, HARD_IRON, LOCAL, Parts, SOFT_IRON};
 use crate::calibration::iron_rows;
-use crate::math::descend::{Cost, Derivatives, Descent, Limits, Termination, descend};
+use crate::math::descend::{Cost, Derivatives, Descent, Limits, descend};
 
 /// Length of x = (h, b, e, g, tau, s): the state without d.
 pub(super) const UNKNOWNS: usize = LOCAL.start();
@@ -104,26 +104,30 @@ impl Cost<UNKNOWNS> for Batch<'_> {
     }
 }
 
-/// Descends from a guess of x. Returns the place, and whether it has converged.
-pub(super) fn fit(groups: &Groups, prior: &Prior, from: Vector) -> Option<(Normal, bool)> {
+/// Descends from a guess of x. Returns the place, and why it ended there.
+pub(super) fn fit(groups: &Groups, prior: &Prior, from: Vector) -> Option<Descent<Normal>> {
     let batch = Batch { groups, prior };
-    let Descent { place, termination, .. } = descend(&batch, batch.place(from)?, LIMITS, |step| step.gain < CONVERGED);
-    Some((place, termination != Termination::MaxIterations))
+    Some(descend(&batch, batch.place(from)?, LIMITS, |step| step.gain < CONVERGED))
 }
 
 /// The cost at x with its derivatives.
 fn normal(groups: &Groups, prior: &Prior, x: &Vector) -> Normal {
     let off = x - prior.mean;
     let pull = prior.precision * off;
-    let mut it = Normal { x: *x, cost: off.dot(&pull), curvature: prior.precision, slope: -pull, ..Normal::default() };
+    let mut it = Normal { x: *x, cost: off.dot(&pull), slope: -pull, ..Normal::default() };
+    it.curvature.copy_from(&prior.precision);
     let x = parts(x);
     for mean in groups.means(&x) {
         let v = prior.variance(&mean);
         let (j, residual) = model(&x, &mean);
         let size = residual.norm_squared();
         it.cost += size / v;
-        it.curvature += j.transpose() * j / v;
-        it.slope += j.transpose() * residual / v;
+        // column by column: the product of all takes much of the stack
+        let to = j.transpose();
+        for (mut column, of) in it.curvature.column_iter_mut().zip(j.column_iter()) {
+            column += to * of / v;
+        }
+        it.slope += to * residual / v;
         it.residual_ut2 += size;
         it.groups += 1.0;
         it.count += mean.count;

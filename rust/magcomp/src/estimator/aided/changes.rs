@@ -35,14 +35,12 @@ pub(super) struct Changes {
     pub(super) former: Option<Former>,
     pub(super) probation: Option<Probation>,
     pub(super) bursts: Bursts,
-    /// Of the filter, empty while there is none or the hypotheses run.
-    pub(super) quarantine: Quarantine,
 }
 
 impl Changes {
     /// A start, which carries no filter from before it.
     pub(super) fn start(&mut self) {
-        (self.quarantine, self.probation) = (Quarantine::default(), None);
+        self.probation = None;
     }
 
     /// The chain of rotations broke before this sample: no later one can test a change on probation, so it is told now.
@@ -50,15 +48,16 @@ impl Changes {
         if let Some(time_ns) = latest_ns {
             self.confirm(phase, time_ns, tuning);
         }
-        self.quarantine = Quarantine::default();
     }
 
     /// Predicts the kept filters over a frame; a change whose probation ends is told.
-    pub(super) fn turn(&mut self, phase: &Phase, step: &FrameStep, tuning: &Tuning) {
+    pub(super) fn turn(&mut self, phase: &mut Phase, step: &FrameStep, tuning: &Tuning) {
         if self.probation.as_mut().is_some_and(|it| it.step(step, tuning)) {
             self.confirm(phase, step.time_ns, tuning);
         }
-        self.quarantine.turn(step);
+        if let Phase::Running(_, quarantine) = phase {
+            quarantine.turn(step);
+        }
     }
 
     /// What the calibration from before the latest change leaves of a frame, uT.
@@ -80,22 +79,22 @@ impl Changes {
 
     /// Where many samples of late were misfits what was learned last is taken back, and the hypotheses begin.
     pub(super) fn look_at_misfits(&mut self, phase: &mut Phase, step: &FrameStep, tuning: &Tuning) {
-        let Phase::Running(running) = phase else { return };
+        let Phase::Running(running, quarantine) = phase else { return };
         if running.watch.share > tuning.suspect_share {
-            self.take_back(running, step, tuning);
+            self.take_back(running, quarantine, step, tuning);
             self.begin_trial(phase, Began::Misfit, tuning);
         } else if running.watch.share < 0.5 * tuning.suspect_share {
-            self.quarantine.learned(&running.filter, step.dt_s, tuning);
+            quarantine.learned(&running.filter, step.dt_s, tuning);
         }
     }
 
-    fn take_back(&mut self, running: &mut Running, step: &FrameStep, tuning: &Tuning) {
+    fn take_back(&mut self, running: &mut Running, quarantine: &mut Quarantine, step: &FrameStep, tuning: &Tuning) {
         if let Some(probation) = self.probation.take() {
             probation.take_back(running);
             self.bursts.was_the_place();
         } else if tuning.quarantine
             && !step.resting
-            && let Some(proven) = self.quarantine.take_back(&step.noise)
+            && let Some(proven) = quarantine.take_back(&step.noise)
         {
             running.filter = proven;
         }
@@ -103,7 +102,7 @@ impl Changes {
 
     /// The hypotheses start from the filter.
     pub(super) fn begin_trial(&mut self, phase: &mut Phase, began: Began, tuning: &Tuning) {
-        let Phase::Running(running) = &*phase else { return };
+        let Phase::Running(running, _) = phase else { return };
         // after a pause the turn alone may have been wrong: it is no time to recall
         let former = self.former.as_ref().filter(|_| began != Began::Pause);
         let mut trial = Trial::start(running, &running.filter, former, tuning);
@@ -111,11 +110,7 @@ impl Changes {
         if began != Began::Pause {
             self.bursts.begin();
         }
-        // its copies are of a filter that the hypotheses may refute
-        self.quarantine = Quarantine::default();
-        if let Phase::Running(running) = phase.take() {
-            *phase = Phase::Undecided(running, trial);
-        }
+        *phase = Phase::Undecided(core::mem::take(running), trial);
     }
 
     /// One frame while the hypotheses run; the filter is as it was, predicted.
@@ -125,7 +120,7 @@ impl Changes {
             Verdict::Device => return self.take_device(phase, step.time_ns, tuning),
             Verdict::Unchanged => {
                 self.bursts.was_the_place();
-                return self.go_on_with(phase, |trial| trial.place);
+                return phase.decide(Some(|trial| &trial.place));
             }
             Verdict::Place => {
                 let (kind, since_ns) = (EventKind::PlaceChanged, trial.onset_ns);
@@ -163,7 +158,7 @@ impl Changes {
         if began == Began::ChangedPlace {
             running.carry_earth(since_ns, tuning);
         }
-        self.go_on_with(phase, |trial| trial.device);
+        phase.decide(Some(|trial| &trial.device));
         if began != Began::Misfit || !tuning.probation {
             self.confirm(phase, time_ns, tuning);
         }
@@ -179,7 +174,7 @@ impl Changes {
             running.carry_earth(trial.onset_ns, tuning);
         }
         if is_new || is_back {
-            self.go_on_with(phase, |trial| trial.place);
+            phase.decide(Some(|trial| &trial.place));
         }
         is_new || is_back
     }
@@ -194,11 +189,5 @@ impl Changes {
             self.event = event.or(self.event);
             self.former = tuning.recall.then(|| probation.former());
         }
-    }
-
-    /// A hypothesis has won: it is the filter from here on.
-    fn go_on_with(&mut self, phase: &mut Phase, winner: fn(Trial) -> Filter) {
-        phase.decide(Some(winner));
-        self.quarantine = Quarantine::default();
     }
 }

@@ -14,13 +14,13 @@ impl Aided {
         let (trial, filter) = (self.phase.trial(), self.phase.known());
         let at_rest_rad_s = match &self.phase {
             Phase::Starting(first) => Some(Vector3::repeat(first.bias_variance.sqrt())),
-            Phase::Running(_) | Phase::Undecided(..) => None,
+            Phase::Running(..) | Phase::Undecided(..) => None,
         };
         Explanation {
             estimator: Estimator::Aided,
             phase: match self.phase {
                 Phase::Starting(_) => EstimatorPhase::Starting,
-                Phase::Running(_) => EstimatorPhase::Running,
+                Phase::Running(..) => EstimatorPhase::Running,
                 Phase::Undecided(..) => EstimatorPhase::Undecided,
             },
             tries_both: false,

@@ -22,6 +22,7 @@ use super::step::{Known, Step};
 use super::tuning::Tuning;
 use crate::ellipsoid::FitError;
 use crate::level::Level;
+use crate::math::descend::{Descent, Termination};
 use crate::math::gaussian::Gaussian;
 use crate::priors::{BEYOND_CHANCE, LARGEST_UT, SHOWN_RAD2};
 use crate::reading::Missing;
@@ -76,21 +77,22 @@ impl Before {
 }
 
 impl FirstFit {
-    pub(super) fn new(given: Option<Before>, known_ut: Option<f64>, tuning: &Tuning) -> Self {
+    pub(super) fn new(known_ut: Option<f64>, tuning: &Tuning) -> Self {
         // M may scale a known strength by three standard deviations
         let off = BEYOND_CHANCE * tuning.iron_sd;
-        let mut it = Self {
+        Self {
             earth_ut: known_ut.map_or(EARTH_UT, |it| it * (1.0 - off)..it * (1.0 + off)),
             bias_variance: tuning.bias_sd_rad_s.powi(2),
             ..Self::default()
-        };
-        if given.is_some() {
-            let prior = it.prior(given.as_ref(), 0.0, tuning);
-            it.given = given;
-            it.x = prior.mean;
-            it.answer = prior.precision.cholesky().and_then(|p| filter(&it.x, &p.inverse(), tuning));
         }
-        it
+    }
+
+    /// Before the first sample.
+    #[inline(never)]
+    pub(super) fn begin_from(&mut self, given: Before, tuning: &Tuning) {
+        let prior = self.prior(Some(&given), 0.0, tuning);
+        (self.given, self.x) = (Some(given), prior.mean);
+        self.answer = prior.precision.cholesky().and_then(|p| filter(&self.x, &p.inverse(), tuning));
     }
 
     /// No sample has shown the field yet.
@@ -147,7 +149,7 @@ impl FirstFit {
         let is_full = self.groups.add(&step.raw_ut, &step.rate_rad_s, step.dt_s);
         // what was given answers from the first sample on
         if is_full || (self.given.is_some() && self.is_blind()) {
-            self.answer = self.fit(step.sigma_ut.powi(2), up, tuning);
+            self.fit(step.sigma_ut.powi(2), up, tuning);
         }
         if is_full {
             // more than a place leaves, less than another unit does: the device may have changed meanwhile
@@ -159,40 +161,55 @@ impl FirstFit {
         }
     }
 
-    fn fit(&mut self, noise_ut2: f64, up: Option<&Vector3<f64>>, tuning: &Tuning) -> Option<Filter> {
+    /// In parts that are not inlined: their matrices are large, and so are never on the stack together.
+    fn fit(&mut self, noise_ut2: f64, up: Option<&Vector3<f64>>, tuning: &Tuning) {
+        self.answer = None;
         let prior = self.prior(self.given.as_ref(), noise_ut2, tuning);
-        let Some((normal, has_converged)) = fit(&self.groups, &prior, self.x) else {
-            self.x = prior.mean;
-            return None;
-        };
-        let x = normal.x;
-        self.x = x;
-        let covariance = self.covariance(&normal, &prior.precision, &prior, tuning)?;
-        if !has_converged {
-            return None;
+        let fitted = fit(&self.groups, &prior, self.x);
+        self.x = fitted.as_ref().map_or(prior.mean, |it| it.place.x);
+        let Some(Descent { place, termination, .. }) = &fitted else { return };
+        self.find(place, &prior, *termination != Termination::MaxIterations, tuning);
+        if !self.counts(place, &prior, up, tuning).unwrap_or(false) {
+            self.answer = None;
         }
-        let found = filter(&x, &covariance, tuning)?;
+    }
+
+    /// The filter that a fit makes.
+    #[inline(never)]
+    fn find(&mut self, normal: &Normal, prior: &Prior, has_converged: bool, tuning: &Tuning) {
+        let covariance = self.covariance(normal, &prior.precision, prior, tuning).filter(|_| has_converged);
+        self.answer = covariance.and_then(|p| filter(&normal.x, &p, tuning));
+    }
+
+    /// Whether it counts, if there is one.
+    #[inline(never)]
+    fn counts(&mut self, normal: &Normal, prior: &Prior, up: Option<&Vector3<f64>>, tuning: &Tuning) -> Option<bool> {
+        let found = self.answer.as_ref()?;
+        let (off_rad2, own_ut2) = (off_rad2(&found.part(FIELD), &found.own(FIELD), up), found.own(HARD_IRON).trace());
         self.refused = found.impossible_field(&POSSIBLE_UT);
         let is_earthly = self.earth_ut.contains(&FIELD.of(&self.x).norm());
-        if self.refused.is_some() || !is_earthly || tuning.plausible && !is_plausible(&x, &prior, self.given.is_some())
+        if self.refused.is_some()
+            || !is_earthly
+            || tuning.plausible && !is_plausible(&self.x, prior, self.given.is_some())
         {
             // the next fit begins afresh: this may be a valley that leads nowhere, or what was given no longer holds
             self.given = None;
-            self.x = self.prior(None, noise_ut2, tuning).mean;
+            self.x = self.prior(None, prior.noise_ut2, tuning).mean;
             return None;
         }
-        let p = if self.given.is_some() {
-            let unaided = self.prior(None, noise_ut2, tuning).precision;
-            self.covariance(&normal, &unaided, &prior, tuning)?
-        } else {
-            covariance
-        };
+        let unaided_ut2 = if self.given.is_some() { self.unaided_ut2(normal, prior, tuning)? } else { own_ut2 };
         // once the groups are full, a fit learns no more: the filter, which forgets nothing, goes on from less
         let most_ut = tuning.adopt_sd_ut * if self.groups.is_full() { 1.5 } else { 1.0 };
-        self.is_settled = HARD_IRON.block(&p).trace() < most_ut * most_ut;
-        let off_rad2 = off_rad2(&found.part(FIELD), &found.own(FIELD), up);
+        self.is_settled = unaided_ut2 < most_ut * most_ut;
         let is_known = off_rad2 < tuning.publish_deg.to_radians().powi(2);
-        (is_known || self.is_settled || self.given.is_some()).then_some(found)
+        Some(is_known || self.is_settled || self.given.is_some())
+    }
+
+    /// Variance of b without what was given.
+    #[inline(never)]
+    fn unaided_ut2(&mut self, normal: &Normal, prior: &Prior, tuning: &Tuning) -> Option<f64> {
+        let unaided = self.prior(None, prior.noise_ut2, tuning).precision;
+        Some(HARD_IRON.block(&self.covariance(normal, &unaided, prior, tuning)?).trace())
     }
 
     fn prior(&self, given: Option<&Before>, noise_ut2: f64, tuning: &Tuning) -> Prior {
@@ -234,21 +251,31 @@ impl FirstFit {
         let share = assumed / found;
         let q = normal.back;
         let eigen = (Matrix3::identity() - q.transpose() * q).symmetric_eigen();
-        let seen = (normal.curvature - prior.precision) * share;
-        let p = (seen + before).cholesky()?.inverse();
+        let mut seen = normal.curvature;
+        seen.zip_apply(&prior.precision, |seen, prior| *seen = (*seen - prior) * share);
         let unseen = eigen.eigenvectors.column(eigen.eigenvalues.imin());
-        let feigned =
-            if tuning.feigned { self.feigned(&p, unseen * STRONGEST_AXIS_UT, prior)? } else { Matrix::zeros() };
+        let bias = BIAS.block(&inverse_of_sum(&seen, before)?);
+        if tuning.feigned {
+            self.leave_out_feigned(&mut seen, share, &bias, unseen * STRONGEST_AXIS_UT, prior)?;
+        }
         self.widest_rad2 = eigen.eigenvalues.max();
-        Some((seen - feigned * share + before).cholesky()?.inverse())
+        inverse_of_sum(&seen, before)
     }
 
     /// Information of the samples that a bias of the gyroscope would feign: a bias and the field along the axis of the turns are confounded. Where
     /// the fit puts that part near zero it claims what it cannot know, so the bias is marginalised as if that part were `unseen`.
-    fn feigned(&self, p: &Matrix, unseen_ut: Vector3<f64>, prior: &Prior) -> Option<Matrix> {
+    #[inline(never)]
+    fn leave_out_feigned(
+        &self,
+        seen: &mut Matrix,
+        share: f64,
+        bias: &Matrix3<f64>,
+        unseen_ut: Vector3<f64>,
+        prior: &Prior,
+    ) -> Option<()> {
         let x = parts(&self.x);
         let mut cross = SMatrix::<f64, UNKNOWNS, 3>::zeros();
-        let mut own = BIAS.block(p).try_inverse()?;
+        let mut own = bias.try_inverse()?;
         let unseen = self.groups.means(&Parts { field: unseen_ut, ..x });
         for (mean, unseen) in self.groups.means(&x).zip(unseen) {
             let v = prior.variance(&mean);
@@ -257,8 +284,18 @@ impl FirstFit {
             cross += j.transpose() * bend / v;
             own += bend.transpose() * bend / v;
         }
-        Some(cross * own.try_inverse()? * cross.transpose())
+        let (left, right) = (cross * own.try_inverse()?, cross.transpose());
+        for (mut column, of) in seen.column_iter_mut().zip(right.column_iter()) {
+            column -= left * of * share;
+        }
+        Some(())
     }
+}
+
+/// (A + B)^-1
+#[inline(never)]
+fn inverse_of_sum(a: &Matrix, b: &Matrix) -> Option<Matrix> {
+    Some((a + b).cholesky()?.inverse())
 }
 
 /// Whether what the samples tell of (e, g, tau, s), and of a b that was given, is likely beforehand: chi-squared within two

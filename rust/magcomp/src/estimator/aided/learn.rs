@@ -13,6 +13,7 @@ use super::events::Began;
 use super::measure::{Innovation, NONE};
 use super::phase::Phase;
 use super::propagate::ProcessNoise;
+use super::quarantine::Quarantine;
 use super::running::Running;
 use super::state::{DELAY, FIELD, LOCAL};
 use super::step::{FrameStep, Step};
@@ -31,7 +32,7 @@ impl Aided {
     pub(super) fn with_rotation(&mut self, step: &Step) -> (Status, Answer) {
         match self.phase {
             Phase::Starting(_) => self.collect(step),
-            Phase::Running(_) | Phase::Undecided(..) => self.learn(step),
+            Phase::Running(..) | Phase::Undecided(..) => self.learn(step),
         }
         if let Some(running) = self.phase.running_mut() {
             // the first sample of a new chain of rotations has told where the field points; it is as strong as it was before
@@ -46,6 +47,7 @@ impl Aided {
     }
 
     /// The start's part of one sample.
+    #[inline(never)]
     fn collect(&mut self, step: &Step) {
         let Phase::Starting(first) = &mut self.phase else { return };
         first.turn(step);
@@ -59,8 +61,15 @@ impl Aided {
             first.add(step, self.senses.motion.up.as_ref(), &self.tuning);
         }
         self.judged = Some((if is_pooled { SampleUse::Pooled } else { SampleUse::AtRest }, None));
+        self.settle();
+    }
+
+    /// A start ends where the samples alone know enough.
+    #[inline(never)]
+    fn settle(&mut self) {
+        let Phase::Starting(first) = &mut self.phase else { return };
         if let Some(filter) = first.answer.take_if(|_| first.is_settled) {
-            self.phase = Phase::Running(Running { filter, ..Running::default() });
+            self.phase = Phase::Running(Running { filter, ..Running::default() }, Quarantine::default());
         }
     }
 
@@ -108,7 +117,7 @@ impl Aided {
     /// The filter's part of a frame: predict, test, then decide between hypotheses or absorb it.
     fn learn_frame(&mut self, step: &FrameStep) {
         let is_open = self.phase.trial().is_some();
-        self.changes.turn(&self.phase, step, &self.tuning);
+        self.changes.turn(&mut self.phase, step, &self.tuning);
         self.predict(step);
         if step.is_blank {
             if let Phase::Undecided(_, trial) = &mut self.phase {
@@ -183,7 +192,7 @@ impl Aided {
 
     /// Corrects the filter by a frame that fits, and `up` and the noise levels by what that teaches.
     fn absorb(&mut self, step: &FrameStep, innovation: &Innovation) {
-        let Phase::Running(Running { filter, .. }) = &mut self.phase else { return };
+        let Phase::Running(Running { filter, .. }, _) = &mut self.phase else { return };
         let carried = filter.part(FIELD);
         filter.update(innovation, NONE);
         let corrected = filter.part(FIELD);

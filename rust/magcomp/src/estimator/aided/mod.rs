@@ -42,7 +42,7 @@ mod white;
 use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
-use crate::calibration::Calibration;
+use crate::calibration::{Calibration, Given};
 use crate::estimator::answer::{Answer, Carry};
 use crate::explanation::{InnovationTest, SampleUse};
 use crate::math::elementary::hypot;
@@ -83,7 +83,7 @@ impl Aided {
     pub fn new(tuning: Tuning, known_ut: Option<f64>) -> Self {
         Self {
             senses: Senses::new(&tuning),
-            phase: Phase::Starting(FirstFit::new(None, known_ut, &tuning)),
+            phase: Phase::Starting(FirstFit::new(known_ut, &tuning)),
             known_ut,
             adaptation: Adaptation::new(&tuning),
             frame: Frame::default(),
@@ -92,6 +92,21 @@ impl Aided {
             judged: None,
             tuning,
         }
+    }
+
+    /// As new, or begins with what is given.
+    pub fn restart(&mut self, given: Option<Given>) {
+        (self.senses, self.adaptation) = (Senses::new(&self.tuning), Adaptation::new(&self.tuning));
+        (self.changes, self.judged) = (Changes::default(), None);
+        match given {
+            Some(given) => self.begin_from(&given),
+            None => self.begin(None),
+        }
+    }
+
+    /// No sample has come.
+    pub fn is_untouched(&self) -> bool {
+        self.senses.latest_ns.is_none()
     }
 
     /// Whether its calibration was found in live samples.
@@ -131,7 +146,7 @@ impl Aided {
     pub fn gyroscope(&self) -> (Vector3<f64>, Matrix3<f64>) {
         match &self.phase {
             Phase::Starting(first) => first.gyroscope(),
-            Phase::Running(it) | Phase::Undecided(it, _) => (it.filter.parts().bias, it.filter.parts().axes),
+            Phase::Running(it, _) | Phase::Undecided(it, _) => (it.filter.parts().bias, it.filter.parts().axes),
         }
     }
 

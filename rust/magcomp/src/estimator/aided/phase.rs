@@ -9,8 +9,10 @@
 
 use super::events::Trial;
 use super::first_fit::FirstFit;
+use super::quarantine::Quarantine;
 use super::running::Running;
 use super::state::Filter;
+use super::tuning::Tuning;
 use super::watch::Watch;
 
 /// See the module.
@@ -19,8 +21,8 @@ use super::watch::Watch;
 pub(super) enum Phase {
     /// No calibration that live samples have confirmed.
     Starting(FirstFit),
-    /// The filter follows the samples.
-    Running(Running),
+    /// The filter follows the samples. What it has learned last is in quarantine, whose copies are of a filter that hypotheses may refute.
+    Running(Running, Quarantine),
     /// Samples do not fit the filter, which is predicted, and learns its bias at rest, while the hypotheses run.
     Undecided(Running, Trial),
 }
@@ -29,14 +31,14 @@ impl Phase {
     pub(super) fn running(&self) -> Option<&Running> {
         match self {
             Self::Starting(_) => None,
-            Self::Running(running) | Self::Undecided(running, _) => Some(running),
+            Self::Running(running, _) | Self::Undecided(running, _) => Some(running),
         }
     }
 
     pub(super) fn running_mut(&mut self) -> Option<&mut Running> {
         match self {
             Self::Starting(_) => None,
-            Self::Running(running) | Self::Undecided(running, _) => Some(running),
+            Self::Running(running, _) | Self::Undecided(running, _) => Some(running),
         }
     }
 
@@ -53,23 +55,33 @@ impl Phase {
     pub(super) fn lost_strength_ut(&self) -> Option<f64> {
         match self {
             Self::Starting(first) => first.given.as_ref().filter(|_| first.is_blind()).map(|given| given.strength_ut),
-            Self::Running(running) | Self::Undecided(running, _) => running.lost_strength_ut,
+            Self::Running(running, _) | Self::Undecided(running, _) => running.lost_strength_ut,
         }
     }
 
     /// Goes from `Undecided` to `Running`, with the filter that `winner` is, if one has won.
-    pub(super) fn decide(&mut self, winner: Option<fn(Trial) -> Filter>) {
-        *self = match self.take() {
-            Self::Undecided(running, trial) => Self::Running(match winner {
-                Some(winner) => Running { filter: winner(trial), watch: Watch::default(), ..running },
-                None => running,
-            }),
-            other => other,
-        };
+    pub(super) fn decide(&mut self, winner: Option<fn(&Trial) -> &Filter>) {
+        let Self::Undecided(running, trial) = self else { return };
+        if let Some(winner) = winner {
+            running.filter.clone_from(winner(trial));
+            running.watch = Watch::default();
+        }
+        self.run();
     }
 
-    /// What is there, for a moment in which nothing is.
-    pub(super) fn take(&mut self) -> Self {
-        core::mem::replace(self, Self::Starting(FirstFit::default()))
+    /// Goes to `Starting`, where nothing is known but perhaps the strength of the field, uT. Not inlined, as are others that move much: what they move is off
+    /// the stack while a start is worked out.
+    #[inline(never)]
+    pub(super) fn start(&mut self, known_ut: Option<f64>, tuning: &Tuning) {
+        *self = Self::Starting(FirstFit::new(known_ut, tuning));
+    }
+
+    /// Goes to `Running`, as the filter is; nothing is in quarantine.
+    pub(super) fn run(&mut self) {
+        match self {
+            Self::Starting(_) => {}
+            Self::Running(_, quarantine) => *quarantine = Quarantine::default(),
+            Self::Undecided(running, _) => *self = Self::Running(core::mem::take(running), Quarantine::default()),
+        }
     }
 }

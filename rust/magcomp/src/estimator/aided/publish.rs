@@ -111,7 +111,7 @@ impl Aided {
             Phase::Starting(_) => Status::Held(HoldReason::TooLittleRotation),
             Phase::Undecided(_, trial) if trial.is_place() => Status::Disturbed { since_ns: trial.onset_ns },
             Phase::Undecided(_, trial) => Status::Suspect { since_ns: trial.onset_ns },
-            Phase::Running(running) => {
+            Phase::Running(running, _) => {
                 if let Some(earth) = running.earth.as_ref().filter(|earth| earth.probability > 0.5) {
                     Status::Disturbed { since_ns: earth.since_ns }
                 } else if let Some(error) = running.filter.impossible_field(&EARTH_UT) {

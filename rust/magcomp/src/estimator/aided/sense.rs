@@ -81,7 +81,7 @@ impl Senses {
         let (Entry { raw_ut, is_blank, .. }, late_s) = self.recent.waited(wait_s);
         let known = match phase {
             Phase::Starting(first) => first.known(tuning),
-            Phase::Running(it) | Phase::Undecided(it, _) => Known::of(&it.filter),
+            Phase::Running(it, _) | Phase::Undecided(it, _) => Known::of(&it.filter),
         };
         let turned_rad = known.x.turned(&rotation.increment_rad, dt_s);
         let turn = Turn::by(&-turned_rad).rotation;

@@ -6,9 +6,8 @@
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::Aided;
-use super::first_fit::{Before, FirstFit};
+use super::first_fit::Before;
 use super::phase::Phase;
-use super::running::Running;
 use super::state::{CALIBRATION, FIELD, HARD_IRON_ALONE, SOFT_IRON_ALONE};
 use super::watch::Watch;
 use crate::calibration::Given;
@@ -22,11 +21,14 @@ impl Aided {
     pub(super) fn begin(&mut self, given: Option<Before>) {
         self.changes.start();
         (self.frame, self.covariances) = (Frame::default(), None);
-        self.phase = Phase::Starting(FirstFit::new(given, self.known_ut, &self.tuning));
+        self.phase.start(self.known_ut, &self.tuning);
+        if let (Phase::Starting(first), Some(given)) = (&mut self.phase, given) {
+            first.begin_from(given, &self.tuning);
+        }
     }
 
     /// Begins with a calibration from elsewhere.
-    pub fn begin_from(&mut self, given: &Given) {
+    pub(super) fn begin_from(&mut self, given: &Given) {
         self.changes.break_chain(&self.phase, self.senses.latest_ns, &self.tuning);
         // the gauge here is trace M = 3: e = 3 M / tr M - I
         let m = given.calibration.soft_iron();
@@ -48,25 +50,31 @@ impl Aided {
     }
 
     /// No usable rotation for this sample: the first one, a gap, or no gyroscope.
+    #[inline(never)]
     pub(super) fn without_rotation(&mut self, raw_ut: &Vector3<f64>, up: Option<Vector3<f64>>, dt_s: f64) {
         self.changes.break_chain(&self.phase, self.senses.latest_ns, &self.tuning);
         self.judged = Some((SampleUse::NoRotation, None));
         self.senses.without_rotation(up);
         self.adaptation.mean.previous = None;
         self.frame = Frame::default();
-        match self.phase.take() {
+        match &mut self.phase {
             // the chain of rotations is broken; a calibration that was given may still hold
-            Phase::Starting(first) => self.begin(first.given),
-            Phase::Running(mut running) | Phase::Undecided(mut running, _) => {
+            Phase::Starting(first) => {
+                let given = first.given.take();
+                self.begin(given);
+            }
+            Phase::Running(running, _) | Phase::Undecided(running, _) => {
                 running.drift(dt_s, &self.tuning);
                 if dt_s > self.tuning.gap_s {
                     // the filter's calibration, which may have changed in a pause
                     let field_ut = || running.filter.part(FIELD).norm();
                     let strength_ut = running.lost_strength_ut.unwrap_or_else(field_ut);
-                    self.begin(Some(Before { calibration: running.filter.marginal(CALIBRATION), strength_ut }));
+                    let calibration = running.filter.marginal(CALIBRATION);
+                    self.begin(Some(Before { calibration, strength_ut }));
                 } else {
                     running.lose_field(raw_ut, self.adaptation.local_ut);
-                    self.phase = Phase::Running(Running { watch: Watch::default(), ..running });
+                    running.watch = Watch::default();
+                    self.phase.run();
                 }
             }
         }

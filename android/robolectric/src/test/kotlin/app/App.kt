@@ -40,10 +40,8 @@ open class CompassActivity : Activity() {
 
     override fun onStart() {
         super.onStart()
-        @Suppress("DEPRECATION") // its successor needs API 30
-        compass.screenRotation = screenRotation(windowManager.defaultDisplay.rotation)
         job = scope.launch {
-            compass.state.collect { state ->
+            compass.states { rotation() }.collect { state ->
                 shown += 1
                 label.text = when (state) {
                     is CompassState.Ended -> state.error?.message
@@ -56,6 +54,9 @@ open class CompassActivity : Activity() {
             }
         }
     }
+
+    @Suppress("DEPRECATION") // its successor needs API 30
+    fun rotation() = screenRotation(windowManager.defaultDisplay.rotation)
 
     override fun onStop() {
         job?.cancel()

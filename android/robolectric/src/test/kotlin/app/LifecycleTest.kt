@@ -60,7 +60,7 @@ abstract class Lifecycles {
         activity = controller.get()
         phone.play(100)
         assertEquals("the same listener goes on", listener, phone.listeners.single())
-        assertEquals(ScreenRotation.DEG90, activity.compass.screenRotation)
+        assertEquals(ScreenRotation.DEG90, activity.rotation())
         until("a heading is shown after the turn") { activity.latest?.headingDeg != null && activity.shown > 0 }
 
         controller.pause().stop()
@@ -117,7 +117,7 @@ abstract class Lifecycles {
         until("tracking") { controller.get().latest?.status == CompensationStatus.Tracking }
         val reading = controller.get().latest!!
         assertTrue("${reading.status}", reading.headingDeg != null)
-        assertEquals("this phone has no gyroscope", reading.details.sensors!!.withoutGyroscope)
+        assertEquals("this phone has no gyroscope", reading.sensors!!.withoutGyroscope)
     }
 
     @Test

@@ -20,7 +20,8 @@ fn changed(takes_time: bool) -> Filter {
     let mut filter = Filter::new(Kind::Device, base, known.mean, 0, ONSET_NS);
     filter.takes_time = takes_time;
     let from = Vector3::new(1.1, 0.2, -0.3);
-    filter.leap = Some(Leap { known, from, from_ns: ONSET_NS - 80_000_000, turning: 0.5, step: 2.0 });
+    filter.former = Some(known);
+    filter.leap = Some(Leap { noise: None, from, from_ns: ONSET_NS - 80_000_000, turning: 0.5, step: 2.0 });
     filter
 }
 

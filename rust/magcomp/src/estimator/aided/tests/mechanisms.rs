@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::super::earth::Earth;
 use super::super::phase::Phase;
+use super::super::quarantine::Quarantine;
 use super::super::running::Running;
 use super::super::state::{AXES, DELAY, Filter, HARD_IRON, LOCAL};
 use super::super::{Aided, Tuning};
@@ -204,7 +205,7 @@ fn a_place_is_disturbed_while_its_field_is_likelier_not_the_earths() {
     for (probability, is_disturbed) in [(0.51, true), (0.49, false)] {
         let mut earth = Earth::of(&Filter::default(), None, 7);
         earth.probability = probability;
-        aided.phase = Phase::Running(Running { earth: Some(earth), ..Running::default() });
+        aided.phase = Phase::Running(Running { earth: Some(earth), ..Running::default() }, Quarantine::default());
         assert_eq!(aided.status() == Status::Disturbed { since_ns: 7 }, is_disturbed, "{probability}");
     }
 }

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::super::events::Began;
+use super::super::phase::Phase;
 use super::super::propagate::ProcessNoise;
 use super::super::state::Filter;
 use super::super::{Aided, Tuning};
@@ -45,7 +46,7 @@ fn on_probation(seed: u64) -> (World, Aided) {
 /// The filter that a misfit would go back to.
 fn copy(aided: &Aided) -> Option<Filter> {
     let noise = ProcessNoise { bridged_rad2: 0.0, offset_ut: 0.0, local_ut: 0.0, local_time_s: 1.0 };
-    aided.changes.quarantine.clone().take_back(&noise)
+    if let Phase::Running(_, quarantine) = &aided.phase { quarantine.clone().take_back(&noise) } else { None }
 }
 
 fn off_ut(world: &World, aided: &Aided) -> f64 {

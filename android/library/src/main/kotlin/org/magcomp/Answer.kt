@@ -3,73 +3,51 @@ package org.magcomp
 import org.magcomp.core.*
 
 /**
- * What the estimator answered to a sample. Kept as numbers, which take less than half of the records' room; a record is made when it is
- * first asked for. Two threads may make one each, which are equal.
+ * What the estimator answered to a sample, as far as a screen needs it, for screens of any rotation. It never changes.
+ *
+ * @property around what most answers have in common
+ * @property numbers the attitude's four numbers and the five of the core's `Pointing`: what the heading of any axis is formed of; null without
+ *   an attitude
+ * @property whole all of the answer, where somebody collects that
  */
-internal class Answer private constructor(
-    /** As [ReadingBuffer] has them before [ReadingBuffer.SIGMA_T], then the raw sample; null: the records were given. */
-    private val numbers: DoubleArray?,
-    /** As it has them from there on. The core forms them once a second: the answers between share them. */
-    private val figures: DoubleArray?,
+internal class Answer(
     val timeNs: Long,
     val status: CompensationStatus,
-    private val event: FieldEvent?,
-    private val reported: DeviceVector?,
-    private var madeReading: MagneticReading?,
-    private var madeSample: MagneticSample?,
+    val event: FieldEvent?,
+    val numbers: DoubleArray?,
+    val around: Around,
+    record: Record?,
 ) {
-    constructor(buffer: ReadingBuffer, sample: RawEvent, before: Answer?) : this(
-        buffer.slots.copyOf(RAW + 3).also {
-            it[RAW] = sample.x
-            it[RAW + 1] = sample.y
-            it[RAW + 2] = sample.z
-        },
-        before?.figures?.takeIf { isSame(buffer.slots, it) } ?: buffer.slots.copyOfRange(RAW, ReadingBuffer.NUMBERS),
-        buffer.timeNs,
-        buffer.status,
-        buffer.event,
-        sample.reported,
-        null,
-        null,
+    /** Of its run. [SharedReadings] counts before anyone sees it. */
+    var number = 0L
+
+    val whole: CompensatedReading? = record?.let { CompensatedReading(it.reading, it.sample, 0, this) }
+
+    /** The records, which a screen needs none of. */
+    class Record(val reading: MagneticReading, val sample: MagneticSample)
+
+    /** What seldom changes. */
+    class Around(
+        val unseenDirections: List<DeviceVector>,
+        val sensors: SensorsInUse?,
+        val storeError: Exception?,
+        val headingAid: HeadingAid?,
+        val stream: StreamStatus,
     )
 
-    constructor(reading: MagneticReading, sample: MagneticSample) :
-        this(null, null, reading.timeNs, reading.status, reading.event, sample.reportedHardIronUt, reading, sample)
+    /** Whether it tells that there are no samples. It is true until the next one. */
+    val isSilence: Boolean get() = (around.stream as? StreamStatus.Silent)?.sensors?.contains(PhoneSensor.MAGNETOMETER) == true
 
-    val reading: MagneticReading
-        get() = madeReading ?: ReadingBuffer.reading(numbers!!, 0, timeNs, event, status, figures!!, -RAW).also { madeReading = it }
+    fun headingDeg(axis: ReferenceAxis, rotation: ScreenRotation) = known(axis, rotation, FastPath.HEADING)
 
-    val sample: MagneticSample
-        get() = madeSample ?: MagneticSample(timeNs, ReadingBuffer.vector(numbers!!, RAW), reported).also { madeSample = it }
+    fun headingSigmaDeg(axis: ReferenceAxis, rotation: ScreenRotation) = known(axis, rotation, FastPath.HEADING_SIGMA)
 
-    val headingDeg: Double? get() = known(ReadingBuffer.HEADING) { headingDeg }
-    val headingSigmaDeg: Double? get() = known(ReadingBuffer.HEADING_SIGMA) { headingSigmaDeg }
-    val trueHeadingDeg: Double? get() = known(ReadingBuffer.TRUE_HEADING) { trueHeadingDeg }
-    val attitude: DeviceAttitude? get() = if (numbers == null) reading.attitude else ReadingBuffer.attitude(numbers)
+    fun trueHeadingDeg(axis: ReferenceAxis, rotation: ScreenRotation) = known(axis, rotation, FastPath.TRUE_HEADING)
 
-    private inline fun known(slot: Int, given: CompassHeading.() -> Double?): Double? =
-        if (numbers == null) reading.heading?.given() else ReadingBuffer.known(numbers[slot])
-
-    companion object {
-        /** Where the raw sample is among the numbers. */
-        private const val RAW = ReadingBuffer.SIGMA_T
-
-        /** What is not known is NaN, which equals nothing. */
-        private fun isSame(slots: DoubleArray, figures: DoubleArray): Boolean {
-            for (k in figures.indices) if (slots[RAW + k].toRawBits() != figures[k].toRawBits()) return false
-            return true
-        }
-
-        /** Of a sample that never came: no field, no heading, no attitude. Window and event are those of the answer before. */
-        fun ofNothing(buffer: ReadingBuffer, latestNs: Long): Answer {
-            val isFirst = latestNs == Long.MIN_VALUE
-            val figures = DoubleArray(ReadingBuffer.NUMBERS - RAW) { Double.NaN }
-            for (slot in intArrayOf(ReadingBuffer.WINDOW, ReadingBuffer.COVERAGE, ReadingBuffer.MODE)) figures[slot - RAW] = buffer.slots[slot]
-            figures[ReadingBuffer.MODEL_ORDER - RAW] = -1.0
-            val event = if (isFirst) null else buffer.event
-            return Answer(DoubleArray(RAW + 3) { Double.NaN }, figures, if (isFirst) 0 else latestNs, NOTHING, event, null, null, null)
-        }
-
-        private val NOTHING = CompensationStatus.Rejected(RejectReason.NotFinite)
+    val attitude: DeviceAttitude? get() = numbers?.let {
+        DeviceAttitude(it[0], it[1], it[2], it[3], known(ReferenceAxis.AUTO, ScreenRotation.DEG0, FastPath.ATTITUDE_SIGMA))
     }
+
+    private fun known(axis: ReferenceAxis, rotation: ScreenRotation, which: Int): Double? =
+        numbers?.let { ReadingBuffer.known(FastPath.heading(it, axis.ordinal, rotation.ordinal, which)) }
 }

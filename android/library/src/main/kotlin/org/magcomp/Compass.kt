@@ -15,17 +15,15 @@ import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.SupervisorJob
 import kotlinx.coroutines.asCoroutineDispatcher
+import kotlinx.coroutines.currentCoroutineContext
 import kotlinx.coroutines.flow.Flow
-import kotlinx.coroutines.flow.MutableStateFlow
-import kotlinx.coroutines.flow.SharingStarted
-import kotlinx.coroutines.flow.StateFlow
 import kotlinx.coroutines.flow.catch
 import kotlinx.coroutines.flow.firstOrNull
 import kotlinx.coroutines.flow.map
 import kotlinx.coroutines.flow.onCompletion
 import kotlinx.coroutines.flow.onEach
-import kotlinx.coroutines.flow.stateIn
-import kotlinx.coroutines.flow.update
+import kotlinx.coroutines.flow.onStart
+import kotlinx.coroutines.job
 import kotlinx.coroutines.withTimeoutOrNull
 import org.magcomp.core.*
 
@@ -34,7 +32,8 @@ import org.magcomp.core.*
  *
  * An app keeps one `Compass` for its whole life, or in a `ViewModel`. All collectors share one estimator, which keeps the calibration it has
  * learned. The phone's sensors are registered once. A second `Compass` of the same source has its own estimator and shares the sensors. The
- * estimator runs on a thread that does nothing else, so no work of the app holds it up.
+ * estimator runs on a thread that does nothing else, so no work of the app holds it up. What belongs to a screen, its rotation and the
+ * heading's axis, each collector says for itself.
  *
  * @param source where events come from
  * @param config a field that is left out has the library's default, as in [Compensator]. Two defaults serve a compass. The heading's axis is
@@ -80,57 +79,35 @@ public class Compass internal constructor(
         require(grace >= Duration.ZERO) { "grace is $grace, expected 0 or above" }
     }
 
-    private val frames = MutableStateFlow(config.headingFrame())
+    private val frame = config.headingFrame()
 
     /** The estimation, kept from one run to the next. Only one run goes on at a time. */
     @Volatile
     internal var kept: Estimation? = null
         private set
-    private val phone = source as? SensorManagerSource
-    private val handover = phone?.handover ?: Handover()
-    private val shared = SharedReadings(
-        dispatcher,
-        grace,
-        onIdle = { kept?.end() },
-        onEnd = { kept?.settled() },
-        nowNs = phone?.continuousNs ?: System::nanoTime,
-        handover,
-        ::run,
-    )
+    private val shared = SharedReadings(dispatcher, grace, onIdle = { kept?.end() }, onEnd = { kept?.settled() }, { source.nowNs }, ::run)
 
     /** Where the store is called. */
     private val stores = CoroutineScope(stores + SupervisorJob())
-
-    /** What [axis], [screenRotation] and [declinationDeg] say; any thread may set one of them and leaves the others. */
-    internal val frame: HeadingFrame get() = frames.value
-
-    /** The axis of the device that the headings belong to. */
-    public var axis: ReferenceAxis
-        get() = frames.value.axis
-        set(wanted) = frames.update { it.copy(axis = wanted) }
-
-    /** How far the screen has turned: `screenRotation(display.rotation)` makes it of Android's number. */
-    public var screenRotation: ScreenRotation
-        get() = frames.value.screenRotation
-        set(wanted) = frames.update { it.copy(screenRotation = wanted) }
 
     /**
      * The declination of the place for a true heading, degrees, east positive, -180 to 180; [geomagneticField] gives it. A declination out of
      * range throws [MagcompException.Config] and changes nothing.
      */
-    public var declinationDeg: Double?
-        get() = frames.value.declinationDeg
+    @Volatile
+    public var declinationDeg: Double? = frame.declinationDeg
         @Throws(MagcompException::class)
         set(wanted) {
             checkDeclination(wanted)
-            frames.update { it.copy(declinationDeg = wanted) }
+            field = wanted
         }
 
     /**
-     * Every reading, for a file or a computation; [headings] and [state] are for a screen. Each magnetometer sample makes one reading, and a
-     * magnetometer that falls silent makes one more ([CompensatedReading.stream]). A new collector gets the latest reading at once if it is
-     * less than a second old. A collector may be [MOST_WAITING] readings behind. One that falls further behind loses the oldest, and
-     * [CompensatedReading.droppedBefore] counts them.
+     * Every reading, whole, for a file or a computation; [headings] and [states] are for a screen. Each magnetometer sample makes one reading,
+     * and a magnetometer that falls silent makes one more ([CompensatedReading.stream]). A new collector gets the latest reading at once if
+     * that is less than a second old and others collect them whole. A collector may be [MOST_WAITING] readings behind. One that falls further
+     * behind loses the oldest, and [CompensatedReading.droppedBefore] counts them. The heading is that of the config's frame;
+     * [CompensatedReading.headingOn] has the others.
      *
      * The sensors run from the first collector on until the last has left and the grace time has passed. The compass saves the calibration
      * when the status is first `Tracking`, then when the calibration has changed and 10 s have passed since the last save, when the last
@@ -140,24 +117,34 @@ public class Compass internal constructor(
      * estimator goes on where it was. If the events' times begin more than a second earlier than they ended, as those of a recording do, the
      * estimator keeps its calibration alone.
      */
-    public fun readings(): Flow<CompensatedReading> = shared.collected(MOST_WAITING)
-
-    /** The readings for a screen: a collector that is slower than they are gets the latest alone. */
-    public fun headings(): Flow<CompassReading> = shared.collected(capacity = 1).map(::CompassReading)
+    public fun readings(): Flow<CompensatedReading> = shared.whole()
 
     /**
-     * The [headings] as a `StateFlow`: the latest reading, or that the readings have ended and why. The sensors run while anybody collects
-     * it; [StateFlow.value] alone starts nothing. A second after the last collector has left, the state is [CompassState.Waiting] again. After
-     * an error the next first collector begins anew. After [close] the state stays [CompassState.Ended].
+     * The readings for a screen: a collector that is slower than they are gets the latest alone, and a new one gets it at once if it is less
+     * than a second old.
+     *
+     * @param axis the axis of the device that the headings belong to; null: that of the config, which is `AUTO` unless it says another
+     * @param rotation how far the screen has turned, which the collector asks with every reading: `{ screenRotation(display.rotation) }`, as a
+     *   screen that turns upside down restarts no activity; null: that of the config, which is 0 unless it says another
      */
-    public val state: StateFlow<CompassState> by lazy {
-        headings().map<CompassReading, CompassState> { CompassState.Live(it) }
+    @JvmOverloads
+    public fun headings(axis: ReferenceAxis? = null, rotation: (() -> ScreenRotation)? = null): Flow<CompassReading> =
+        shared.latest { it.on(axis, rotation) }
+
+    private fun Answer.on(axis: ReferenceAxis?, rotation: (() -> ScreenRotation)?) =
+        CompassReading(this, axis ?: frame.axis, rotation?.invoke() ?: frame.screenRotation)
+
+    /**
+     * The [headings] as states, for a screen that shows one: [CompassState.Waiting] first, then the latest reading, and at last that the
+     * readings have ended and why. It throws no error of the source. `states().stateIn(viewModelScope, ...)` makes a `StateFlow` of it.
+     */
+    @JvmOverloads
+    public fun states(axis: ReferenceAxis? = null, rotation: (() -> ScreenRotation)? = null): Flow<CompassState> =
+        headings(axis, rotation).map<CompassReading, CompassState> { CompassState.Live(it) }
+            .onStart { emit(CompassState.Waiting) }
             .onCompletion { if (it == null) emit(CompassState.Ended(if (shared.isClosed) MagcompException.Closed() else null)) }
             // an Error, which nobody would catch, would end the app
             .catch { emit(CompassState.Ended(it.asException())) }
-            // the thread that tells readings hands over; this scope ends with the compass, as nothing else holds it
-            .stateIn(CoroutineScope(Dispatchers.Unconfined + SupervisorJob()), SharingStarted.WhileSubscribed(0, VALID_MS), CompassState.Waiting)
-    }
 
     /**
      * One heading: the first reading whose heading is as sure as asked for. If none comes in time, this gives the latest reading, whose
@@ -165,13 +152,20 @@ public class Compass internal constructor(
      *
      * @param within how long it may take, above 0
      * @param worstSigmaDeg the largest standard deviation that will do, degrees, above 0
+     * @param axis as in [headings]
+     * @param rotation as in [headings]
      */
-    public suspend fun heading(within: Duration = 5.seconds, worstSigmaDeg: Double = 180.0): CompassReading? {
+    public suspend fun heading(
+        within: Duration = 5.seconds,
+        worstSigmaDeg: Double = 180.0,
+        axis: ReferenceAxis? = null,
+        rotation: (() -> ScreenRotation)? = null,
+    ): CompassReading? {
         require(within > Duration.ZERO) { "within is $within, expected above 0" }
         require(worstSigmaDeg > 0) { "worstSigmaDeg is $worstSigmaDeg, expected above 0" }
         var latest: CompassReading? = null
         val found = withTimeoutOrNull(within) {
-            headings().onEach { latest = it }.firstOrNull { (it.headingSigmaDeg ?: return@firstOrNull false) <= worstSigmaDeg }
+            headings(axis, rotation).onEach { latest = it }.firstOrNull { (it.headingSigmaDeg ?: return@firstOrNull false) <= worstSigmaDeg }
         }
         return found ?: latest
     }
@@ -249,23 +243,18 @@ public class Compass internal constructor(
         return shared.isCollected && kept?.aid(push) ?: false
     }
 
-    /**
-     * The phone's sensors in use, also while they deliver nothing ([UsedSensor.isSilent]). It is null before the first collector comes and
-     * while the source knows no sensors.
-     */
-    public val sensors: StateFlow<SensorsInUse?> get() = source.sensors ?: NO_SENSORS
-
     /** Seconds since 1970, for the date of what is kept. */
     internal var unixTimeS: () -> Long = ::systemUnixTimeS
 
     private fun configOfSource() = if (config.railUt != null) config else config.copy(railUt = source.fullScaleUt)
 
-    private suspend fun run(tell: (CompensatedReading) -> Unit) {
-        val estimation = kept ?: Estimation(configOfSource(), store, frames, source, unixTimeS, stores).also { kept = it }
+    private suspend fun run(to: Told) {
+        val estimation = kept ?: Estimation(configOfSource(), store, { declinationDeg }, source, unixTimeS, stores).also { kept = it }
         try {
             estimation.settled(LOAD_WAIT_MS)
+            estimation.begin(to, currentCoroutineContext().job)
             try {
-                source.deliver(Estimated(estimation, tell))
+                source.deliver(estimation)
             } finally {
                 estimation.end()
             }
@@ -277,39 +266,30 @@ public class Compass internal constructor(
         }
     }
 
-    /** Estimates on the thread that delivers. */
-    private class Estimated(private val estimation: Estimation, private val tell: (CompensatedReading) -> Unit) : EventTaker {
-        init {
-            estimation.begin()
-        }
-
-        override fun take(event: RawEvent) {
-            estimation.push(event)?.let(tell)
-        }
-
-        override fun heard(sensors: SensorsInUse) {
-            estimation.heard(sensors)?.let(tell)
-        }
-
-        override fun anotherClock() = estimation.anotherClock()
-
-        override fun failed(error: Throwable) = Unit
-    }
-
     /**
      * Every reading, for Java. The compass calls [listener] on [executor], one call at a time, until the handle is closed. An exception that
      * `onReading` throws ends the readings, as every other error does, and goes to `onEnd`.
      */
     public fun start(executor: Executor, listener: CompassReadingListener): CompassHandle =
-        handover.listening(executor, { _, error -> listener.onEnd(error) }) {
-            shared.collected(MOST_WAITING, isBrief = true).collect { executor.call(handover) { listener.onReading(it) } }
+        listening(executor, { _, error -> listener.onEnd(error) }) {
+            shared.whole(isBrief = true).collect { executor.call { listener.onReading(it) } }
         }
 
-    /** The readings for a screen, for Java: a listener that is slower than they are gets the latest alone. */
-    public fun start(executor: Executor, listener: HeadingListener): CompassHandle =
-        handover.listening(executor, { _, error -> listener.onEnd(error) }) {
-            shared.collected(capacity = 1, isBrief = true).collect { executor.call(handover) { listener.onHeading(CompassReading(it)) } }
-        }
+    /**
+     * The readings for a screen, for Java: a listener that is slower than they are gets the latest alone.
+     *
+     * @param axis as in [headings]
+     * @param rotation as in [headings]; [executor] asks it
+     */
+    @JvmOverloads
+    public fun start(
+        executor: Executor,
+        listener: HeadingListener,
+        axis: ReferenceAxis? = null,
+        rotation: (() -> ScreenRotation)? = null,
+    ): CompassHandle = listening(executor, { _, error -> listener.onEnd(error) }) {
+        shared.latest(isBrief = true) { it }.collect { executor.call { listener.onHeading(it.on(axis, rotation)) } }
+    }
 
     /**
      * One heading, for Java: the same as the other `heading`.
@@ -318,11 +298,11 @@ public class Compass internal constructor(
      * @param worstSigmaDeg the largest standard deviation that will do, degrees, above 0
      */
     public fun heading(withinMs: Long, worstSigmaDeg: Double, executor: Executor, callback: HeadingCallback): CompassHandle =
-        handover.listening(executor, callback::onHeading) { heading(withinMs.milliseconds, worstSigmaDeg) }
+        listening(executor, callback::onHeading) { heading(withinMs.milliseconds, worstSigmaDeg) }
 
     /** Records as the other `record`, for Java, until the handle is closed, the source ends, or 100 MB are written. */
     public fun record(file: File, executor: Executor, callback: RecordingCallback): CompassHandle =
-        handover.listening(executor, { _, error -> callback.onEnd(file, error) }, isToldOfClosing = true) { record(file) }
+        listening(executor, { _, error -> callback.onEnd(file, error) }, isToldOfClosing = true) { record(file) }
 
     /**
      * Ends the readings of every collector. In the background it releases the sensors, saves the calibration and frees the estimator.
@@ -337,7 +317,7 @@ public class Compass internal constructor(
 
     /** Functions and constants that need no compass. */
     public companion object {
-        /** Readings that wait for a slow collector of [readings]: 80 s at 100 Hz, about 4 MB. */
+        /** Readings that wait for a slow collector of [readings]: 80 s at 100 Hz, about 6 MB. */
         public const val MOST_WAITING: Int = 8192
 
         /**
@@ -358,8 +338,6 @@ public class Compass internal constructor(
             Thread({ runCatching { NativeLibrary.check() } }, "magcomp preload").start()
         }
 
-        private val NO_SENSORS: StateFlow<SensorsInUse?> = MutableStateFlow(null)
-
         /** How long a run waits for a store before it goes on without. */
         private const val LOAD_WAIT_MS = 100L
 
@@ -374,9 +352,6 @@ public class Compass internal constructor(
             ThreadPoolExecutor(2, 2, IDLE_S, TimeUnit.SECONDS, LinkedBlockingQueue()) { Thread(it, "magcomp compass").apply { isDaemon = true } }
                 .apply { allowCoreThreadTimeOut(true) }
                 .asCoroutineDispatcher()
-
-        /** How long the value of [state] is kept after its last collector. */
-        private const val VALID_MS = 1000L
 
         // what the model serves
         private const val LOWEST_M = -1000.0

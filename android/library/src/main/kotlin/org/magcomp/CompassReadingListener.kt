@@ -65,7 +65,7 @@ public class CompassHandle internal constructor(private val end: () -> Unit) : A
  * @param isToldOfClosing whether [end] gets neither when the handle was closed; else it is not called then
  */
 @OptIn(ExperimentalCoroutinesApi::class) // getCompleted
-internal fun <T> Handover.listening(executor: Executor, end: (T?, Exception?) -> Unit, isToldOfClosing: Boolean = false, what: suspend () -> T): CompassHandle {
+internal fun <T> listening(executor: Executor, end: (T?, Exception?) -> Unit, isToldOfClosing: Boolean = false, what: suspend () -> T): CompassHandle {
     val isClosed = AtomicBoolean()
     // it hands over to the executor and does no work of its own: so no work of others holds it up
     val work = CoroutineScope(Dispatchers.Unconfined).async { what() }
@@ -73,9 +73,9 @@ internal fun <T> Handover.listening(executor: Executor, end: (T?, Exception?) ->
         val told = if (isClosed.get()) null else error?.asException()
         val answer = if (error == null) work.getCompleted() else null
         try {
-            executor.execute { run { if (isToldOfClosing || !isClosed.get()) end(answer, told) } }
+            executor.execute { Handover.run { if (isToldOfClosing || !isClosed.get()) end(answer, told) } }
         } catch (e: RejectedExecutionException) {
-            run { if (isToldOfClosing || !isClosed.get()) end(answer, told ?: e) }
+            Handover.run { if (isToldOfClosing || !isClosed.get()) end(answer, told ?: e) }
         }
     }
     return CompassHandle {
@@ -85,6 +85,6 @@ internal fun <T> Handover.listening(executor: Executor, end: (T?, Exception?) ->
 }
 
 /** Calls on the executor, and waits for it. Whatever [what] throws is thrown here. Not called where this was cancelled before its turn. */
-internal suspend fun Executor.call(handover: Handover, what: () -> Unit): Unit = suspendCancellableCoroutine { waiting ->
-    execute { handover.run { if (waiting.isActive) waiting.resumeWith(runCatching(what)) } }
+internal suspend fun Executor.call(what: () -> Unit): Unit = suspendCancellableCoroutine { waiting ->
+    execute { Handover.run { if (waiting.isActive) waiting.resumeWith(runCatching(what)) } }
 }

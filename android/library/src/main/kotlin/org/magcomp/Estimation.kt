@@ -2,22 +2,23 @@ package org.magcomp
 
 import kotlin.math.abs
 import kotlinx.coroutines.CoroutineScope
-import kotlinx.coroutines.flow.StateFlow
+import kotlinx.coroutines.Job
+import kotlinx.coroutines.ensureActive
 import org.magcomp.core.*
 
 /**
- * A compensator with what surrounds it: a store, a heading frame, guidance. One thread at a time, but for [save].
+ * A compensator with what surrounds it: a store, a declination, guidance. One thread at a time, but for [save].
  *
  * @param stores where the store is called, so that no reading waits for it
  */
 internal class Estimation(
     config: CompensationConfig,
     store: CalibrationStore?,
-    private val frame: StateFlow<HeadingFrame>,
+    private val declinationDeg: () -> Double?,
     private val source: MagneticFieldSource,
     private val unixTimeS: () -> Long,
     stores: CoroutineScope,
-) : AutoCloseable {
+) : EventTaker, AutoCloseable {
     val compensator = Compensator(config)
     private val buffer = ReadingBuffer()
     private val configFrame = config.headingFrame()
@@ -42,13 +43,13 @@ internal class Estimation(
     private var unseen = emptyList<DeviceVector>()
     private var lookedNs: Long? = null
     private var latestNs = Long.MIN_VALUE
-    private var latest: Answer? = null
     private var begun = false
     private val vertical = Vertical()
 
     /** The latest sensors in use, where the source knows them, and what is told of them. */
     private var sensors: SensorsInUse? = null
     private var stream: StreamStatus = StreamStatus.Live
+    private var around = Answer.Around(unseen, null, null, null, stream)
 
     /** Whether help from outside ever came, which few apps have: what it is worth is asked over the slow path. */
     @Volatile
@@ -62,8 +63,14 @@ internal class Estimation(
         keeping?.load()
     }
 
+    /** Who is told of this run, and the job that ends it. */
+    private lateinit var to: Told
+    private lateinit var job: Job
+
     /** Events of a new run follow: of a source whose times begin again, or of one that goes on. */
-    fun begin() {
+    fun begin(to: Told, job: Job) {
+        this.to = to
+        this.job = job
         begun = true
         sensors = null
         stream = StreamStatus.Live
@@ -71,9 +78,11 @@ internal class Estimation(
     }
 
     /** What the latest events have taught of turns and of the vertical is wrong. */
-    fun anotherClock() = renew(null)
+    override fun anotherClock() = renew(null)
 
-    fun push(event: RawEvent): CompensatedReading? {
+    override fun take(event: RawEvent) {
+        // of a source that never suspends this is the end
+        job.ensureActive()
         if (begun) {
             begun = false
             // one that is only late is none of another clock
@@ -86,32 +95,36 @@ internal class Estimation(
                     compensator.pushUp(timeNs, x, y, z)
                     vertical.up(timeNs)
                 }
-                else -> return magnetic(this)
+                else -> to.tell(magnetic(this))
             }
         }
-        return null
     }
 
     /** Help from outside, from any thread; whether it was taken. */
     fun aid(push: Compensator.() -> Boolean): Boolean = compensator.push().also { if (it) isAided = true }
 
     /**
-     * The sensors in use are these. Where the magnetometer is silent now, and this is news, a reading of no sample: it has no field, no heading,
-     * no attitude. Of the other sensors the next sample tells.
+     * Where the magnetometer is silent now, and this is news, this tells an answer to no sample: it has no field, no heading, no attitude. Of the
+     * other sensors the next sample tells.
      */
-    fun heard(now: SensorsInUse): CompensatedReading? {
+    override fun heard(sensors: SensorsInUse) {
         val before = stream
-        sensors = now
-        stream = now.stream()
-        if (!now.magnetometer.isSilent || stream == before) return null
-        return CompensatedReading(Answer.ofNothing(buffer, latestNs), unseen, droppedBefore = 0, now, storeError(), headingAid, stream)
+        this.sensors = sensors
+        stream = sensors.stream()
+        if (!sensors.magnetometer.isSilent || stream == before) return
+        val isFirst = latestNs == Long.MIN_VALUE
+        val timeNs = if (isFirst) 0 else latestNs
+        buffer.slots.fill(Double.NaN, 0, ReadingBuffer.SIGMA_T)
+        for (slot in OF_SAMPLES) buffer.slots[slot] = Double.NaN
+        buffer.slots[ReadingBuffer.MODEL_ORDER] = -1.0
+        val reading = ReadingBuffer.reading(buffer.slots, 0, timeNs, if (isFirst) null else buffer.event, NOTHING)
+        to.tell(Answer(timeNs, NOTHING, reading.event, null, around(stream), Answer.Record(reading, MagneticSample(timeNs, NOWHERE))))
     }
 
     /** Waits until the store has done what it was asked for, no longer than so many milliseconds. */
     suspend fun settled(atMostMs: Long = Long.MAX_VALUE) {
         keeping?.settled(atMostMs)
     }
-
 
     private fun storeError(): Exception? = keptError ?: keeping?.error
 
@@ -153,31 +166,45 @@ internal class Estimation(
         hiddenS = now
     }
 
-    private fun magnetic(sample: RawEvent): CompensatedReading {
+    private fun magnetic(sample: RawEvent): Answer {
         takeLoaded()
-        val wanted = frame.value
-        if (wanted != currentFrame) {
-            compensator.setHeadingFrame(wanted)
-            currentFrame = wanted
+        val wantedDeg = declinationDeg()
+        if (wantedDeg != currentFrame.declinationDeg) {
+            currentFrame = configFrame.copy(declinationDeg = wantedDeg)
+            compensator.setHeadingFrame(currentFrame)
         }
         noteSleep()
-        val reported = sample.reported?.takeIf { isBelieved() }
-        if (reported == null) {
-            compensator.push(sample.timeNs, sample.x, sample.y, sample.z, buffer)
-        } else {
-            compensator.push(sample.timeNs, sample.x, sample.y, sample.z, reported.x, reported.y, reported.z, buffer)
-        }
-        val answer = Answer(buffer, sample, latest)
-        latest = answer
+        val reported = sample.reportedHardIronUt?.takeIf { isBelieved() } ?: NOWHERE
+        compensator.push(sample.timeNs, sample.x, sample.y, sample.z, reported.x, reported.y, reported.z, buffer)
+        val status = buffer.status
         // a time that is refused may be any
-        if (answer.status !is CompensationStatus.Rejected) {
+        if (status !is CompensationStatus.Rejected) {
             isInForce = !buffer.xUt.isNaN()
-            if (answer.status == CompensationStatus.Tracking) unconfirmed = false
-            nowAndThen(sample.timeNs, answer.status)
+            if (status == CompensationStatus.Tracking) unconfirmed = false
+            nowAndThen(sample.timeNs, status)
             vertical.magnetic(sample.timeNs)
         }
-        val told = if (stream == StreamStatus.Live && vertical.isMissing && buffer.attitudeW.isNaN()) StreamStatus.NoVertical else stream
-        return CompensatedReading(answer, unseen, droppedBefore = 0, sensors, storeError(), headingAid, told)
+        val isNowhere = buffer.attitudeW.isNaN()
+        val told = if (stream == StreamStatus.Live && vertical.isMissing && isNowhere) StreamStatus.NoVertical else stream
+        val numbers = if (isNowhere) null else buffer.slots.copyOfRange(ReadingBuffer.ATTITUDE, ReadingBuffer.ATTITUDE + NUMBERS)
+        numbers?.let { System.arraycopy(buffer.slots, ReadingBuffer.POINTING, it, OF_ATTITUDE, NUMBERS - OF_ATTITUDE) }
+        val record = if (to.isWholeWanted) recordOf(sample) else null
+        return Answer(sample.timeNs, status, buffer.event, numbers, around(told), record)
+    }
+
+    private fun recordOf(sample: RawEvent) = with(sample) {
+        Answer.Record(buffer.toReading(), MagneticSample(timeNs, DeviceVector(x, y, z), reportedHardIronUt))
+    }
+
+    /** What the answers have in common, the one of before where it is the same. */
+    private fun around(told: StreamStatus): Answer.Around {
+        val error = storeError()
+        val isSame = with(around) {
+            unseenDirections === unseen && sensors === this@Estimation.sensors && storeError === error && stream === told &&
+                headingAid == this@Estimation.headingAid
+        }
+        if (!isSame) around = Answer.Around(unseen, sensors, error, headingAid, told)
+        return around
     }
 
     /** Beside a calibration that was kept or given the system's hard iron is listened to only where the system itself is sure of it. */
@@ -273,6 +300,15 @@ internal class Estimation(
 
         /** Events that are late come by less. */
         const val ANOTHER_CLOCK_NS = 1e9
+
+        /** Of an answer's numbers, and those of them that are the attitude's. */
+        const val NUMBERS = 9
+        const val OF_ATTITUDE = 4
+
+        /** What a reading of no sample says, and what it does not. */
+        val NOTHING = CompensationStatus.Rejected(RejectReason.NotFinite)
+        val NOWHERE = DeviceVector(Double.NaN, Double.NaN, Double.NaN)
+        val OF_SAMPLES = intArrayOf(ReadingBuffer.SIGMA_T, ReadingBuffer.DIRECTION_SIGMA, ReadingBuffer.WORST_SIGMA, ReadingBuffer.REPORTED_JUMP)
     }
 }
 

@@ -58,7 +58,7 @@ public fun DeviceAttitude.orientation(screenRotation: ScreenRotation = ScreenRot
 }
 
 /**
- * How far the screen has turned, for [Compass.screenRotation].
+ * How far the screen has turned, for [Compass.headings].
  *
  * @param displayRotation `Display.getRotation()`: `Surface.ROTATION_0` to `ROTATION_270`
  */

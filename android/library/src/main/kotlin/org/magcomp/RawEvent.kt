@@ -2,58 +2,79 @@ package org.magcomp
 
 import org.magcomp.core.*
 
-/** One event of a sensor as numbers. It is used again: who gets one is done with it when it returns. */
-internal class RawEvent {
-    /** [ROTATION_RATE], [UP] or [MAGNETIC]. */
-    var kind = 0
-    var timeNs = 0L
+/**
+ * One event of a sensor as numbers. A source uses the object again: who takes one is done with it when [EventTaker.take] returns, and changes
+ * a [copy] alone.
+ */
+public class RawEvent {
+    /** At equal times events have this order. */
+    internal var kind = 0
 
-    /** The sensor's own time, where [timeNs] is brought to another clock. */
-    var ownNs = 0L
-    var x = 0.0
-    var y = 0.0
-    var z = 0.0
+    /** The sensor that it is of. */
+    public val sensor: PhoneSensor get() = SENSORS[kind]
 
-    /** Of a magnetometer the operating system's own hard iron. */
-    var reported: DeviceVector? = null
+    /** Time of the event, nanoseconds, on one clock for all sensors. */
+    public var timeNs: Long = 0L
+
+    /** The sensor's own time, nanoseconds, where [timeNs] is brought to another clock. */
+    public var ownNs: Long = 0L
+
+    /** To the right of the screen: microtesla, m/s^2, or rad/s. */
+    public var x: Double = 0.0
+
+    /** Towards the top of the screen. */
+    public var y: Double = 0.0
+
+    /** Out of the screen. */
+    public var z: Double = 0.0
+
+    /** Of a magnetometer the operating system's own hard iron, microtesla; null if it tells none. */
+    public var reportedHardIronUt: DeviceVector? = null
 
     /** What the system said last of a magnetometer. */
-    var accuracy = SensorAccuracy.UNKNOWN
+    public var accuracy: SensorAccuracy = SensorAccuracy.UNKNOWN
 
-    fun set(kind: Int, timeNs: Long, x: Double, y: Double, z: Double, reported: DeviceVector? = null, ownNs: Long = timeNs) {
+    internal fun set(kind: Int, timeNs: Long, x: Double, y: Double, z: Double, reported: DeviceVector? = null, ownNs: Long = timeNs) {
         this.kind = kind
         this.timeNs = timeNs
         this.ownNs = ownNs
         this.x = x
         this.y = y
         this.z = z
-        this.reported = reported
+        reportedHardIronUt = reported
+        accuracy = SensorAccuracy.UNKNOWN
     }
 
-    fun copy() = RawEvent().also {
-        it.set(kind, timeNs, x, y, z, reported, ownNs)
+    /** Becomes this event. */
+    public fun set(event: SensorSample): RawEvent {
+        when (event) {
+            is SensorSample.RotationRate -> with(event.sample.rateRadS) { set(ROTATION_RATE, event.timeNs, x, y, z) }
+            is SensorSample.Up -> with(event.sample.upMS2) { set(UP, event.timeNs, x, y, z) }
+            is SensorSample.Magnetic -> with(event.sample.fieldUt) { set(MAGNETIC, event.timeNs, x, y, z, event.sample.reportedHardIronUt) }
+        }
+        return this
+    }
+
+    /** The same, to be kept. */
+    public fun copy(): RawEvent = RawEvent().also {
+        it.set(kind, timeNs, x, y, z, reportedHardIronUt, ownNs)
         it.accuracy = accuracy
     }
 
-    fun set(event: SensorSample) = when (event) {
-        is SensorSample.RotationRate -> with(event.sample.rateRadS) { set(ROTATION_RATE, event.timeNs, x, y, z) }
-        is SensorSample.Up -> with(event.sample.upMS2) { set(UP, event.timeNs, x, y, z) }
-        is SensorSample.Magnetic -> with(event.sample.fieldUt) { set(MAGNETIC, event.timeNs, x, y, z, event.sample.reportedHardIronUt) }
-    }
-
-    fun toSample(): SensorSample {
+    /** The same as a record. */
+    public fun toSample(): SensorSample {
         val vector = DeviceVector(x, y, z)
         return when (kind) {
             ROTATION_RATE -> SensorSample.RotationRate(RotationRateSample(timeNs, vector))
             UP -> SensorSample.Up(UpSample(timeNs, vector))
-            else -> SensorSample.Magnetic(MagneticSample(timeNs, vector, reported))
+            else -> SensorSample.Magnetic(MagneticSample(timeNs, vector, reportedHardIronUt))
         }
     }
 
-    companion object {
-        // at equal times in this order
+    internal companion object {
         const val ROTATION_RATE = 0
         const val UP = 1
         const val MAGNETIC = 2
+        private val SENSORS = arrayOf(PhoneSensor.GYROSCOPE, PhoneSensor.GRAVITY, PhoneSensor.MAGNETOMETER)
     }
 }

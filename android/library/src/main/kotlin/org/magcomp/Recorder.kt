@@ -9,7 +9,6 @@ import java.util.zip.GZIPOutputStream
 import kotlin.math.abs
 import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.flow.first
-import kotlinx.coroutines.flow.map
 import kotlinx.coroutines.withContext
 
 /**
@@ -42,15 +41,16 @@ internal suspend fun MagneticFieldSource.record(file: File, mostBytes: Long, now
     val bytes = file.outputStream().buffered()
     (if (file.name.endsWith(".gz")) GZIPOutputStream(bytes, PACKED, true) else bytes).use { out ->
         val rows = Rows(out, mostBytes, nowNs)
+        // a phone's sensors may come more seldom, or late by what was asked for
+        if (this@record is SensorManagerSource) rows.leadNs = mostBetweenNs
         try {
-            if (this@record is SensorManagerSource) {
-                rows.leadNs = mostBetweenNs
-                events { rows.sensors = it }.first { !rows.write(it) }
-            } else {
-                samples().map { RawEvent().apply { set(it) } }.first {
-                    rows.sensors = sensors?.value
-                    !rows.write(it)
-                }
+            var isFull = false
+            fun write(event: RawEvent) {
+                if (!isFull) isFull = !rows.write(event)
+            }
+            events({ rows.sensors = it }, ::write).first {
+                write(it)
+                isFull
             }
         } catch (_: NoSuchElementException) {
             // the source has ended
@@ -104,7 +104,7 @@ private class Rows(private val out: OutputStream, private val mostBytes: Long, p
         }
         cells[event.kind] = text(event.x, event.y, event.z)
         if (event.kind == RawEvent.MAGNETIC) {
-            event.reported?.let { cells[SYSTEM] = text(event.x - it.x, event.y - it.y, event.z - it.z) }
+            event.reportedHardIronUt?.let { cells[SYSTEM] = text(event.x - it.x, event.y - it.y, event.z - it.z) }
             cells[ACCURACY] = accuracy(event.accuracy)
         }
         isEmpty = false

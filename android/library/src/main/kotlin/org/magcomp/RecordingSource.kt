@@ -5,8 +5,8 @@ import java.io.Reader
 import java.util.zip.GZIPInputStream
 import kotlin.math.abs
 import kotlin.math.floor
-import kotlinx.coroutines.flow.Flow
-import kotlinx.coroutines.flow.flow
+import kotlinx.coroutines.currentCoroutineContext
+import kotlinx.coroutines.ensureActive
 import org.magcomp.core.*
 
 /**
@@ -38,7 +38,8 @@ public class RecordingSource(private val name: String, private val open: () -> R
         (if (file.name.endsWith(".gz")) GZIPInputStream(bytes) else bytes).reader()
     })
 
-    override fun samples(): Flow<SensorSample> = flow {
+    override suspend fun deliver(taker: EventTaker) {
+        val event = RawEvent()
         open().buffered().use { lines ->
             // spreadsheets write a mark first
             val header = lines.readLine()?.removePrefix("\uFEFF") ?: throw RecordingException(name, 1, null, "the header is missing")
@@ -49,9 +50,15 @@ public class RecordingSource(private val name: String, private val open: () -> R
                 number += 1
                 if (line.isEmpty()) continue
                 val row = columns.row(line, number)
-                row.vector("gx", "gy", "gz")?.let { emit(SensorSample.RotationRate(RotationRateSample(row.timeNs, it))) }
-                row.vector("ax", "ay", "az")?.let { emit(SensorSample.Up(UpSample(row.timeNs, it))) }
-                row.vector("mx", "my", "mz")?.let { emit(SensorSample.Magnetic(MagneticSample(row.timeNs, it))) }
+                fun give(kind: Int, v: DeviceVector?) {
+                    v ?: return
+                    event.set(kind, row.timeNs, v.x, v.y, v.z)
+                    taker.take(event)
+                }
+                give(RawEvent.ROTATION_RATE, row.vector("gx", "gy", "gz"))
+                give(RawEvent.UP, row.vector("ax", "ay", "az"))
+                give(RawEvent.MAGNETIC, row.vector("mx", "my", "mz"))
+                currentCoroutineContext().ensureActive()
             }
         }
     }

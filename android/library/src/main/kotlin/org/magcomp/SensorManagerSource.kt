@@ -6,20 +6,16 @@ import android.hardware.Sensor
 import android.hardware.SensorManager
 import android.os.Build
 import android.os.SystemClock
-import kotlinx.coroutines.CompletableDeferred
-import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.MutableStateFlow
 import kotlinx.coroutines.flow.StateFlow
 import kotlinx.coroutines.flow.asStateFlow
-import kotlinx.coroutines.flow.flow
-import kotlinx.coroutines.flow.map
 import org.magcomp.core.*
 
 /**
  * The phone's own sensors: the uncalibrated magnetometer (the calibrated one where there is no other), gravity (else
  * the accelerometer) and the gyroscope.
  *
- * Any number of compasses and collectors of [samples] may share one source. From the first to the last of them they have one listener and
+ * Any number of compasses and others may share one source. From the first to the last of them they have one listener and
  * one thread. Collecting fails with [SensorException] when a sensor or a permission is missing or the system refuses. Without a gyroscope
  * it goes on, and [sensors] says why. Events come in the order of their times ([SensorOptions.holdS]), on the magnetometer's clock: when a
  * sensor's events arrive shows within about a second whether it has another clock. [UsedSensor.isSilent] tells of a sensor that is registered
@@ -28,8 +24,7 @@ import org.magcomp.core.*
 public class SensorManagerSource internal constructor(
     private val manager: SensorManager,
     private val options: SensorOptions,
-    internal val continuousNs: () -> Long,
-    internal val handover: Handover = Handover(),
+    private val continuousNs: () -> Long,
     private val above200Hz: () -> Boolean,
 ) : MagneticFieldSource {
 
@@ -40,16 +35,19 @@ public class SensorManagerSource internal constructor(
         applicationOf(context).getSystemService(Context.SENSOR_SERVICE) as SensorManager,
         options,
         SystemClock::elapsedRealtimeNanos,
-        above200Hz = mayExceed200Hz(applicationOf(context)),
+        mayExceed200Hz(applicationOf(context)),
     )
 
     private val inUse = MutableStateFlow<SensorsInUse?>(null)
 
-    override val sensors: StateFlow<SensorsInUse?> = inUse.asStateFlow()
+    /** The sensors in use; the value is null before the first collector. */
+    public val sensors: StateFlow<SensorsInUse?> = inUse.asStateFlow()
 
     /** Android's `Sensor.getMaximumRange`; null if a driver says less than 100 or more than 100 000 microtesla, which is no full scale. */
     override val fullScaleUt: Double?
         get() = magnetometer()?.maximumRange?.toDouble()?.takeIf { it in LEAST_FULL_SCALE_UT..LARGEST_FULL_SCALE_UT }
+
+    override val nowNs: Long get() = continuousNs()
 
     private val sleep = Sleep()
 
@@ -65,55 +63,33 @@ public class SensorManagerSource internal constructor(
     /** The longest from one event to the next of any sensor that has the same clock, ns. */
     internal val mostBetweenNs: Long get() = 1000L * options.maxReportLatencyUs + 1_000_000_000L / options.slowestHz + Clocks.SAME_NS.toLong()
 
-    /**
-     * The events. A collector that takes none for a minute gets those that have waited, then [SensorException.NotTaken].
-     */
-    override fun samples(): Flow<SensorSample> = events().map { it.toSample() }
-
-    /** The same with each sensor's own times. [hear] gets the sensors in use before the first event. */
-    internal fun events(hear: (SensorsInUse) -> Unit = {}): Flow<RawEvent> = flow {
-        val inbox = Inbox(most = EVENTS_OF_A_MINUTE * options.fastestHz, handover, hear)
-        join(inbox)
+    /** The events, on a thread of this source. It ends with the error of [taker], if at all. */
+    override suspend fun deliver(taker: EventTaker) {
+        val seat = Seat(taker)
+        join(seat)
         try {
-            inbox.each(::emit)
+            throw seat.failure.await()
         } finally {
-            leave(inbox)
-        }
-    }
-
-    /** Gives a taker the events until it is cancelled, or until the taker has failed, with its error. */
-    internal suspend fun deliverOnTheirThread(taker: EventTaker): Nothing {
-        val failure = CompletableDeferred<Throwable>()
-        val guarded = object : EventTaker by taker {
-            override fun failed(error: Throwable) {
-                failure.complete(error)
-                taker.failed(error)
-            }
-        }
-        join(guarded)
-        try {
-            throw failure.await()
-        } finally {
-            leave(guarded)
+            leave(seat)
         }
     }
 
     @Synchronized
-    private fun join(taker: EventTaker) {
+    private fun join(seat: Seat) {
         val run = run
-        if (run == null) this.run = begun(taker) else run.add(taker)
+        if (run == null) this.run = begun(seat) else run.add(seat)
     }
 
     @Synchronized
-    private fun leave(taker: EventTaker) {
+    private fun leave(seat: Seat) {
         val run = run ?: return
-        if (!run.remove(taker)) {
+        if (!run.remove(seat)) {
             this.run = null
             run.end()
         }
     }
 
-    private fun begun(first: EventTaker): SensorRun {
+    private fun begun(first: Seat): SensorRun {
         val magnetometer = magnetometer() ?: throw SensorException.Missing("magnetometer", "hide the compass")
         val up = if (options.up) up() else null
         val gyroscope = if (options.gyroscope) manager.getDefaultSensor(Sensor.TYPE_GYROSCOPE) else null
@@ -123,7 +99,7 @@ public class SensorManagerSource internal constructor(
             gyroscope == null -> "this phone has no gyroscope"
             else -> null
         }
-        return SensorRun(manager, options, inUse, sleep, handover, continuousNs).apply { start(first, magnetometer, up, gyroscope, without) }
+        return SensorRun(manager, options, inUse, sleep, continuousNs).apply { start(first, magnetometer, up, gyroscope, without) }
     }
 
     private fun magnetometer(): Sensor? = manager.getDefaultSensor(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED)
@@ -154,9 +130,6 @@ public class SensorManagerSource internal constructor(
 
         /** Android 12, for apps that target it. */
         private const val RULE_SINCE_SDK = 31
-
-        /** Of three sensors at 1 Hz. */
-        private const val EVENTS_OF_A_MINUTE = 180
 
         private fun mayExceed200Hz(context: Context): () -> Boolean = {
             Build.VERSION.SDK_INT < RULE_SINCE_SDK ||

@@ -4,24 +4,34 @@ import android.hardware.Sensor
 import android.hardware.SensorEvent
 import android.hardware.SensorEventListener
 import android.hardware.SensorManager
+import kotlinx.coroutines.CompletableDeferred
 import kotlinx.coroutines.flow.MutableStateFlow
 import kotlinx.coroutines.flow.update
 import kotlinx.coroutines.flow.updateAndGet
 import org.magcomp.core.*
 
-/** Gets the events of a run: one call at a time, on the sensors' thread. */
-internal interface EventTaker {
-    /** An event whose turn it is. The object is used again when this returns. */
-    fun take(event: RawEvent)
+/** A taker among those of a run. Once it is left nothing is called: [leave] waits for the call that is under way. */
+internal class Seat(val taker: EventTaker) {
+    private var isLeft = false
 
-    /** The sensors in use: before the first event, on the thread of who joins, and whenever they are others. */
-    fun heard(sensors: SensorsInUse) = Unit
+    /** What one of its calls threw; none follows. */
+    val failure = CompletableDeferred<Throwable>()
 
-    /** The events before this were out of step: a sensor's clock is another one than was thought. */
-    fun anotherClock() = Unit
+    @Synchronized
+    fun leave() {
+        isLeft = true
+    }
 
-    /** One of the calls threw this; none follows. */
-    fun failed(error: Throwable)
+    /** An exception here would end the app. */
+    inline fun call(what: EventTaker.() -> Unit): Unit = synchronized(this) {
+        if (isLeft) return
+        try {
+            taker.what()
+        } catch (e: Throwable) {
+            isLeft = true
+            failure.complete(e)
+        }
+    }
 }
 
 /**
@@ -33,7 +43,6 @@ internal class SensorRun(
     private val options: SensorOptions,
     private val told: MutableStateFlow<SensorsInUse?>,
     private val sleep: Sleep,
-    private val handover: Handover,
     private val continuousNs: () -> Long,
 ) {
     private val thread = SensorThread()
@@ -67,30 +76,8 @@ internal class SensorRun(
     private val heard = IntArray(TYPES)
     private val looks = IntArray(TYPES)
 
-    /** A taker among those of a run. Once it is left nothing is called: [leave] waits for the call that is under way. */
-    private inner class Seat(val taker: EventTaker) {
-        private var isLeft = false
-
-        @Synchronized
-        fun leave() {
-            isLeft = true
-        }
-
-        /** An exception here would end the app. */
-        inline fun call(what: EventTaker.() -> Unit): Unit = synchronized(this) {
-            if (isLeft) return
-            try {
-                taker.what()
-            } catch (e: Throwable) {
-                isLeft = true
-                remove(taker)
-                taker.failed(e)
-            }
-        }
-    }
-
     /** Registers the sensors for [first], which misses none of their events. Where it throws, none is left registered, and [first] is called no more. */
-    fun start(first: EventTaker, magnetometer: Sensor, up: Sensor?, gyroscope: Sensor?, withoutGyroscope: String?) {
+    fun start(first: Seat, magnetometer: Sensor, up: Sensor?, gyroscope: Sensor?, withoutGyroscope: String?) {
         try {
             // before the first event
             sensors.value = SensorsInUse(used(magnetometer), up?.let(::used), gyroscope?.let(::used), withoutGyroscope)
@@ -120,24 +107,23 @@ internal class SensorRun(
         thread.end()
     }
 
-    fun add(taker: EventTaker) {
-        val seat = Seat(taker)
+    fun add(seat: Seat) {
         // its first event waits until it has heard of the sensors
         synchronized(seat) {
             synchronized(this) { seats += seat }
-            taker.heard(sensors.value!!)
+            seat.taker.heard(sensors.value!!)
         }
     }
 
     /** Whether anyone is left. When this returns the taker is called no more, unless one of its own calls asked for it. */
-    fun remove(taker: EventTaker): Boolean {
-        val (left, others) = synchronized(this) { seats.partition { it.taker === taker }.also { seats = it.second.toTypedArray() } }
-        left.forEach { it.leave() }
+    fun remove(seat: Seat): Boolean {
+        val others = synchronized(this) { seats.filter { it !== seat }.toTypedArray().also { seats = it } }
+        seat.leave()
         return others.isNotEmpty()
     }
 
     /** Tells the app, which may run code of its own when it hears of it. Two of these may overtake one another. */
-    private fun publish() = handover.executor.execute { told.update { if (hasEnded) it else sensors.value } }
+    private fun publish() = Handover.executor.execute { told.update { if (hasEnded) it else sensors.value } }
 
     private fun register(sensor: Sensor) {
         val rateHz = options.rateHz(sensor.type)
@@ -198,6 +184,7 @@ internal class SensorRun(
         private var bias: DeviceVector? = null
 
         override fun onSensorChanged(event: SensorEvent) {
+            Handover.delivers()
             val v = event.values
             val type = event.sensor.type
             // an exception here would end the app; so it counts as none, and its sensor as silent

@@ -20,27 +20,33 @@ import kotlinx.coroutines.sync.withLock
 import kotlinx.coroutines.withContext
 import org.magcomp.core.*
 
+/** Where a run tells its answers, one at a time, from whichever thread it likes. */
+internal interface Told {
+    /** Whether anybody collects the whole of them. */
+    val isWholeWanted: Boolean
+
+    fun tell(answer: Answer)
+}
+
 /**
  * One run of readings for all who collect at the same time. It begins with the first collector and ends by itself, or when no
  * collector was left for the grace time. A run begins only after the run before has ended to its last line. The readings'
  * error or end reaches every collector after the readings before it; the next collector begins a new run.
  *
  * @param dispatcher where runs begin and end
- * @param handover takes collectors off the thread that tells readings
  * @param grace the grace time
  * @param onIdle called on the dispatcher when its last collector leaves
  * @param onEnd called after a run; the next one does not wait for it, whoever has left does
  * @param nowNs a clock that counts sleep, nanoseconds
- * @param readings one run: it tells every reading, one at a time, from whichever thread it likes
+ * @param readings one run
  */
 internal class SharedReadings(
     dispatcher: CoroutineDispatcher,
     private val grace: Duration,
-    private val onIdle: () -> Unit = {},
-    private val onEnd: suspend () -> Unit = {},
-    private val nowNs: () -> Long = System::nanoTime,
-    private val handover: Handover = Handover(),
-    private val readings: suspend (tell: (CompensatedReading) -> Unit) -> Unit,
+    private val onIdle: () -> Unit,
+    private val onEnd: suspend () -> Unit,
+    private val nowNs: () -> Long,
+    private val readings: suspend (to: Told) -> Unit,
 ) {
     private val scope = CoroutineScope(dispatcher + SupervisorJob())
     private val oneAtATime = Mutex()
@@ -54,12 +60,14 @@ internal class SharedReadings(
     val isCollected: Boolean @Synchronized get() = (current?.collectors ?: 0) > 0
 
     /** What one collector has not taken yet. */
-    private class Box(val run: Run, val readings: Channel<CompensatedReading>, val next: Long)
+    private class Box(val isWhole: Boolean, val answers: Channel<Answer>, val next: Long)
 
-    private inner class Run {
+    private inner class Run : Told {
         /** One for each collector. The array is replaced, never changed: what is told goes to those that are there then. */
-        private var boxes = emptyArray<Channel<CompensatedReading>>()
-        private var latest: CompensatedReading? = null
+        @Volatile
+        private var boxes = emptyArray<Box>()
+
+        private var latest: Answer? = null
         private var latestAtNs = 0L
         private var number = 0L
         private var hasEnded = false
@@ -73,7 +81,7 @@ internal class SharedReadings(
 
         val job = scope.launch(start = CoroutineStart.LAZY) {
             val error = try {
-                oneAtATime.withLock { readings(::tell) }
+                oneAtATime.withLock { readings(this@Run) }
                 null
             } catch (e: Throwable) {
                 // even a CancellationException, such as a source's own timeout, which would end this coroutine without a word; even an Error,
@@ -87,27 +95,34 @@ internal class SharedReadings(
             invokeOnCompletion { end(it) }
         }
 
-        /** A box for another collector, with the latest reading where that is still true. */
-        fun open(capacity: Int): Box = synchronized(this) {
-            val box = Channel<CompensatedReading>(capacity, BufferOverflow.DROP_OLDEST)
-            val now = latest?.takeIf { it.isSilence || nowNs() - latestAtNs < FRESH_NS }?.also { box.trySend(it) }
-            boxes += box
-            Box(this, box, now?.number ?: number)
+        /** Also for who comes back within the grace time. */
+        override val isWholeWanted: Boolean
+            get() {
+                val now = boxes
+                for (box in now) if (box.isWhole) return true
+                return now.isEmpty()
+            }
+
+        /** A box for another collector, with the latest answer where that is still true. */
+        fun open(isWhole: Boolean): Box = synchronized(this) {
+            val answers = Channel<Answer>(if (isWhole) Compass.MOST_WAITING else 1, BufferOverflow.DROP_OLDEST)
+            val isTrue = latest?.isSilence == true || nowNs() - latestAtNs < FRESH_NS
+            val now = latest?.takeIf { isTrue && (!isWhole || it.whole != null) }?.also { answers.trySend(it) }
+            Box(isWhole, answers, now?.number ?: number).also { boxes += it }
         }
 
         fun close(box: Box) = synchronized(this) {
-            boxes = boxes.filter { it !== box.readings }.toTypedArray()
+            boxes = boxes.filter { it !== box }.toTypedArray()
         }
 
-        private fun tell(reading: CompensatedReading) {
-            handover.isDelivering()
+        override fun tell(answer: Answer) {
             val now = synchronized(this) {
-                reading.number = number++
-                latest = reading
+                answer.number = number++
+                latest = answer
                 latestAtNs = nowNs()
                 boxes
             }
-            for (box in now) box.trySend(reading)
+            Handover.delivering { for (box in now) box.answers.trySend(answer) }
         }
 
         /** Ends what is collected, once. */
@@ -119,7 +134,7 @@ internal class SharedReadings(
                 this.error = error.takeUnless { isClosed }
                 boxes
             }
-            for (box in now) box.close()
+            Handover.delivering { for (box in now) box.answers.close() }
         }
 
         /** From now on a collector begins another run. */
@@ -127,23 +142,37 @@ internal class SharedReadings(
     }
 
     /**
-     * @param capacity readings kept for a slow collector; it loses the oldest, counted
+     * Every reading, whole; a collector that is slow loses the oldest, counted.
+     *
      * @param isBrief whether what is collected takes no time where it runs, so that it may run where readings are told
      */
-    fun collected(capacity: Int, isBrief: Boolean = false): Flow<CompensatedReading> = flow {
-        val box = join(capacity)
+    fun whole(isBrief: Boolean = false): Flow<CompensatedReading> = flow {
+        var next = -1L
+        collect(isWhole = true, isBrief) { answer, first ->
+            if (next < 0) next = first
+            val dropped = answer.number - next
+            next = answer.number + 1
+            // one that was told before the collector was seen is none of its readings
+            val whole = answer.whole ?: return@collect
+            emit(if (dropped == 0L) whole else whole.after(dropped))
+        }
+    }
+
+    /** What [make] makes of the latest answers. */
+    fun <T> latest(isBrief: Boolean = false, make: (Answer) -> T): Flow<T> =
+        flow { collect(isWhole = false, isBrief) { answer, _ -> emit(make(answer)) } }
+
+    private suspend inline fun collect(isWhole: Boolean, isBrief: Boolean, take: (answer: Answer, first: Long) -> Unit) {
+        val (run, box) = join(isWhole)
         try {
-            box.run.job.start()
-            var next = box.next
-            for (reading in box.readings) {
-                val dropped = reading.number - next
-                next = reading.number + 1
-                if (!isBrief) handover.away()
-                emit(if (dropped == 0L) reading else reading.after(dropped))
+            run.job.start()
+            for (answer in box.answers) {
+                if (!isBrief) Handover.away()
+                take(answer, box.next)
             }
-            box.run.error?.let { throw it }
+            run.error?.let { throw it }
         } finally {
-            part(box)?.let { withContext(NonCancellable) { it.join() } }
+            part(run, box)?.let { withContext(NonCancellable) { it.join() } }
         }
     }
 
@@ -161,17 +190,16 @@ internal class SharedReadings(
     }
 
     @Synchronized
-    private fun join(capacity: Int): Box {
+    private fun join(isWhole: Boolean): Pair<Run, Box> {
         if (isClosed) throw MagcompException.Closed()
         val run = current ?: Run().also { current = it }
         run.collectors += 1
         run.ending?.cancel()
-        return run.open(capacity)
+        return run to run.open(isWhole)
     }
 
     /** One collector less; the job that ends now because it was the last, if so. */
-    private fun part(box: Box): Job? {
-        val run = box.run
+    private fun part(run: Run, box: Box): Job? {
         synchronized(this) {
             run.close(box)
             run.collectors -= 1
@@ -196,7 +224,7 @@ internal class SharedReadings(
     }
 
     private companion object {
-        /** A reading that is older is not given to a collector that joins. */
+        /** An answer that is older is not given to a collector that joins. */
         const val FRESH_NS = 1_000_000_000L
     }
 }

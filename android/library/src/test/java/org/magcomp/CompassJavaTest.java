@@ -118,6 +118,30 @@ class CompassJavaTest {
     }
 
     @Test
+    void aScreenHasItsOwnRotationAndAxis() throws Exception {
+        File file = new File(System.getProperty("repository.root"), "tests/recordings/broad_34_attached_magnet_3cm.csv.gz");
+        double[] lastDeg = new double[2];
+        for (int k = 0; k < 2; k++) {
+            int at = k;
+            ScreenRotation rotation = k == 0 ? ScreenRotation.DEG0 : ScreenRotation.DEG180;
+            CompletableFuture<Exception> ended = new CompletableFuture<>();
+            new Compass(new RecordingSource(file)).start(executor, new HeadingListener() {
+                @Override
+                public void onHeading(CompassReading reading) {
+                    if (reading.getHeadingDeg() != null) lastDeg[at] = reading.getHeadingDeg();
+                }
+
+                @Override
+                public void onEnd(Exception error) {
+                    ended.complete(error);
+                }
+            }, ReferenceAxis.TOP_EDGE, () -> rotation);
+            assertNull(ended.get(60, TimeUnit.SECONDS));
+        }
+        assertEquals(180, Math.abs(Math.IEEEremainder(lastDeg[1] - lastDeg[0], 360)), 1e-6);
+    }
+
+    @Test
     void aHandleIsClosedWithoutACatch() {
         Compass.create(new RecordingSource("endless", EndlessReader::new), new CompensationConfig(), null, 0).start(executor, new Counter()).close();
     }

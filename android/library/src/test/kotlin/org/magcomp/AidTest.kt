@@ -41,8 +41,8 @@ class AidTest {
         aid: Compass.(elapsedNs: Long) -> Unit,
     ): List<CompensatedReading> = runBlocking {
         lateinit var compass: Compass
-        val source = object : MagneticFieldSource {
-            override fun samples() = flow {
+        val source = object : FlowSource() {
+            override fun played() = flow {
                 for (k in 1L..50L * seconds) {
                     val timeNs = k * second / 50
                     if (k % 50 == 0L) compass.aid(timeNs + offsetNs)
@@ -73,7 +73,7 @@ class AidTest {
     private fun List<CompensatedReading>.assertTurned(headingDeg: Double) {
         val last = last()
         assertEquals(HeadingAid.LEADS, last.headingAid)
-        assertEquals(HeadingAid.LEADS, CompassReading(last).headingAid)
+        assertEquals(HeadingAid.LEADS, shown(last).headingAid)
         assertTrue(abs(last.reading.heading!!.headingDeg - headingDeg) < 6, "${last.reading.heading}")
     }
 
@@ -82,7 +82,7 @@ class AidTest {
         val without = lying(60) { }
         assertTrue(without.all { it.headingAid == null })
         assertTrue(abs(Math.IEEEremainder(without.last().reading.heading!!.headingDeg, 360.0)) < 2)
-        assertNull(CompassReading(without.last()).headingAid)
+        assertNull(shown(without.last()).headingAid)
         val taken = mutableListOf<Boolean>()
         lying(60) { taken += aid(fix(it), HELD_AHEAD) }.assertTurned(30.0)
         assertEquals(List(60) { true }, taken)
@@ -101,8 +101,8 @@ class AidTest {
     fun `what help was worth is forgotten where a source begins again, also before its first good sample`(): Unit = runBlocking {
         var run = 0
         lateinit var compass: Compass
-        val source = object : MagneticFieldSource {
-            override fun samples() = flow {
+        val source = object : FlowSource() {
+            override fun played() = flow {
                 run += 1
                 if (run == 2) emit(SensorSample.Magnetic(MagneticSample(1, DeviceVector(Double.NaN, 0.0, 0.0))))
                 for (k in 1L..500) {

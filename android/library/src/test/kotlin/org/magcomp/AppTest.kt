@@ -6,7 +6,6 @@ import android.os.Build
 import android.view.Surface
 import java.util.concurrent.CompletableFuture
 import java.util.concurrent.TimeUnit
-import java.util.concurrent.atomic.AtomicInteger
 import kotlin.time.Duration.Companion.milliseconds
 import kotlinx.coroutines.flow.first
 import kotlinx.coroutines.launch
@@ -46,13 +45,13 @@ class AppTest {
         // the next launch, whatever its options and its config
         val options = SensorOptions(rateHz = 50, gyroscope = false)
         val next = Compass(activity, options, CompensationConfig(heading = HeadingConfig(axis = ReferenceAxis.CAMERA)))
-        assertEquals(ReferenceAxis.CAMERA, next.axis)
-        assertEquals(null, next.sensors.value)
-        val first = launch { assertNotNull(next.readings().first().reading.fieldUt, "calibrated at once") }
+        val first = launch {
+            val reading = next.readings().first()
+            assertNotNull(reading.reading.fieldUt, "calibrated at once")
+            assertEquals(Sensor.TYPE_GRAVITY, reading.sensors!!.up!!.type)
+        }
         withTimeout(120_000) { while (sensors.registrations.size < 2) yield() }
         assertEquals(listOf(20_000, 20_000), sensors.registrations.map { it.periodUs })
-        withTimeout(120_000) { while (next.sensors.value == null) yield() }
-        assertEquals(Sensor.TYPE_GRAVITY, next.sensors.value!!.up!!.type)
         sensors.deliver(events.last())
         sensors.deliver(later)
         first.join()
@@ -85,14 +84,14 @@ class AppTest {
     }
 
     @Test
-    fun `a declination out of range is refused where it is set, and the frame stays`() {
+    fun `a declination out of range is refused where it is set, and the one before stays`() {
         val compass = Compass(sensors.source())
         val before = HeadingFrame(ReferenceAxis.CAMERA, ScreenRotation.DEG90, 180.0)
-        compass.set(before)
+        compass.declinationDeg = 180.0
         for (declinationDeg in listOf(180.1, -1e9, Double.NaN)) {
             val error = assertThrows(MagcompException.Config::class.java) { compass.declinationDeg = declinationDeg }
             assertEquals("heading.declination_deg", error.field)
-            assertEquals(before, compass.frame)
+            assertEquals(180.0, compass.declinationDeg)
             // in the core's words
             val core = assertThrows(MagcompException.Config::class.java) {
                 Compensator().use { it.setHeadingFrame(before.copy(declinationDeg = declinationDeg)) }
@@ -103,33 +102,7 @@ class AppTest {
     }
 
     @Test
-    fun `settings that two threads change are both kept`() {
-        val compass = Compass(sensors.source())
-        compass.axis = ReferenceAxis.CAMERA
-        // each reads back what it alone sets
-        val lost = AtomicInteger()
-        fun <T> changing(value: (Int) -> T, set: (T) -> Unit, get: () -> T) = Thread {
-            for (k in 1..1_000_000) value(k).let { set(it); if (get() != it) lost.incrementAndGet() }
-        }
-        val threads = listOf(
-            changing({ k -> k % 180.0 }, { compass.declinationDeg = it }, { compass.declinationDeg }),
-            changing({ k -> screenRotation(k % 4) }, { compass.screenRotation = it }, { compass.screenRotation }),
-        )
-        threads.forEach(Thread::start)
-        threads.forEach(Thread::join)
-        assertEquals(0, lost.get())
-        assertEquals(ReferenceAxis.CAMERA, compass.axis)
-    }
-
-    @Test
-    fun `one setting of the frame leaves the others, and a grace time below 0 is refused`() {
-        val compass = Compass(sensors.source())
-        compass.set(HeadingFrame(ReferenceAxis.AUTO, ScreenRotation.DEG90, 3.0))
-        compass.axis = ReferenceAxis.CAMERA
-        assertEquals(HeadingFrame(ReferenceAxis.CAMERA, ScreenRotation.DEG90, 3.0), compass.frame)
-        compass.screenRotation = ScreenRotation.DEG180
-        compass.declinationDeg = 4.0
-        assertEquals(HeadingFrame(ReferenceAxis.CAMERA, ScreenRotation.DEG180, 4.0), compass.frame)
+    fun `a grace time below 0 is refused`() {
         assertThrows(IllegalArgumentException::class.java) { Compass(sensors.source(), grace = (-1).milliseconds) }
     }
 
@@ -158,14 +131,12 @@ class AppTest {
     @Test
     fun `a place gives the declination, at any date and height`() {
         val compass = Compass(sensors.source())
-        compass.axis = ReferenceAxis.CAMERA
         val year = 31_557_600_000
         for (timeMs in listOf(1_750_000_000_000, 1, 70 * year, Long.MAX_VALUE)) {
             compass.setPlace(place(-33.87, 151.21, timeMs, 20.0))
             assertEquals(geomagneticField(-33.87, 151.21, 20.0, timeMs).declinationDeg, compass.declinationDeg)
             assertTrue(compass.declinationDeg!! in 12.0..14.0, "${compass.declinationDeg}")
         }
-        assertEquals(ReferenceAxis.CAMERA, compass.axis)
         // no date is now; a height that can't be is none, and height counts
         compass.unixTimeS = { 1_750_000_000 }
         val sea = geomagneticField(70.0, -100.0, 0.0, 1_750_000_000_000).declinationDeg
@@ -176,10 +147,10 @@ class AppTest {
         compass.setPlace(place(70.0, -100.0, 0, 400_000.0))
         assertNotEquals(sea, compass.declinationDeg)
 
-        val before = compass.frame
+        val before = compass.declinationDeg
         assertThrows(MagcompException.Place::class.java) { compass.setPlace(place(91.0, 0.0, 0)) }
         assertThrows(MagcompException.Place::class.java) { compass.setPlace(place(0.0, Double.NaN, 0)) }
-        assertEquals(before, compass.frame)
+        assertEquals(before, compass.declinationDeg)
     }
 
     @Test

@@ -97,8 +97,8 @@ class CompassListenerTest {
     fun `what the source throws, at once, later, or as a cancellation`() {
         class OfTheSource : RuntimeException()
         val sources = listOf(
-            object : MagneticFieldSource {
-                override fun samples(): Flow<SensorSample> = throw OfTheSource()
+            object : FlowSource() {
+                override fun played(): Flow<SensorSample> = throw OfTheSource()
             },
             Played(flow { throw OfTheSource() }),
             Played(

@@ -23,7 +23,7 @@ class CostTest {
     @Test
     fun `a reading through a compass allocates little more than its numbers`() {
         // in a process of its own, as an app has it: a JVM with assertions, as that of tests, gives every coroutine a name
-        for ((looks, most) in mapOf("heading" to 600, "record" to 1100)) {
+        for ((looks, most) in mapOf("heading" to 300, "record" to 1100)) {
             val said = inProcessOfItsOwn("org.magcomp.CostMain", looks, options = NATIVE + "-Xmx256m")
             println("a reading through Compass, of which the collector looks at the $looks: ${said.trim()}")
             val (bytes, arrived) = Regex("(\\d+) bytes.* (\\d+) of $SAMPLES").find(said)!!.destructured

@@ -12,7 +12,10 @@ import android.os.Handler
 import android.os.HandlerThread
 import android.os.MemoryFile
 import java.util.concurrent.CopyOnWriteArrayList
+import java.util.concurrent.Executor
 import java.util.concurrent.atomic.AtomicInteger
+import kotlinx.coroutines.Dispatchers
+import kotlinx.coroutines.asExecutor
 import kotlinx.coroutines.withTimeout
 import kotlinx.coroutines.yield
 import org.magcomp.core.*
@@ -45,10 +48,12 @@ class FakeSensorManager(vararg types: Int, hardIron: Boolean = true, fullScaleUt
 
     /**
      * A source over these sensors, whose events come on the test's thread, in the order it delivers them. So do readings to a collector that is not
-     * confined; with another [handover] they do as in an app.
+     * confined; with another executor for the [Handover] they do as in an app.
      */
-    internal fun source(options: SensorOptions = SensorOptions(holdS = 0.0), permitted: Boolean = true, handover: Handover = AT_ONCE) =
-        SensorManagerSource(this, options, { continuousNs }, handover) { permitted }
+    internal fun source(options: SensorOptions = SensorOptions(holdS = 0.0), permitted: Boolean = true, executor: Executor = AT_ONCE): SensorManagerSource {
+        Handover.executor = executor
+        return SensorManagerSource(this, options, { continuousNs }) { permitted }
+    }
 
     /** Waits until so many are registered. */
     suspend fun registered(count: Int) = withTimeout(120_000) { while (registrations.size < count) yield() }
@@ -155,7 +160,10 @@ class FakeSensorManager(vararg types: Int, hardIron: Boolean = true, fullScaleUt
     companion object {
         const val LISTENER_LIMIT = 128
 
-        private val AT_ONCE = Handover { it.run() }
+        private val AT_ONCE = Executor { it.run() }
+
+        /** As in an app. */
+        val ELSEWHERE: Executor = Dispatchers.IO.asExecutor()
 
         /** Apps can't make a Sensor: its constructor and its type are Android's own. */
         private fun sensor(type: Int, fullScaleUt: Float): Sensor {

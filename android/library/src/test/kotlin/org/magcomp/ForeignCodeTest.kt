@@ -15,6 +15,8 @@ import kotlinx.coroutines.async
 import kotlinx.coroutines.cancelAndJoin
 import kotlinx.coroutines.delay
 import kotlinx.coroutines.flow.first
+import kotlinx.coroutines.flow.last
+import kotlinx.coroutines.flow.toList
 import kotlinx.coroutines.launch
 import kotlinx.coroutines.runBlocking
 import kotlinx.coroutines.withTimeout
@@ -30,7 +32,7 @@ class ForeignCodeTest {
     private val sensors = FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_GRAVITY, Sensor.TYPE_GYROSCOPE)
 
     // as in an app: what a collector does is done elsewhere
-    private val source = sensors.source(handover = Handover())
+    private val source = sensors.source(executor = FakeSensorManager.ELSEWHERE)
     private val phone = Phone(1)
     private val gate = CountDownLatch(1)
 
@@ -98,21 +100,24 @@ class ForeignCodeTest {
     @Test
     fun `who is led off a thread that delivers is on another one, however quick that is`() {
         // it has gone on before `execute` returns
-        val handover = Handover { task -> thread { task.run() }.join() }
-        handover.isDelivering()
+        Handover.executor = Executor { task -> thread { task.run() }.join() }
         var there: Thread? = null
-        CoroutineScope(Dispatchers.Unconfined).launch {
-            handover.away()
-            there = Thread.currentThread()
+        val here = thread {
+            Handover.delivers()
+            CoroutineScope(Dispatchers.Unconfined).launch {
+                Handover.away()
+                there = Thread.currentThread()
+            }
         }
+        here.join()
         assertNotNull(there)
-        assertNotSame(Thread.currentThread(), there)
+        assertNotSame(here, there)
     }
 
     @Test
     fun `the end of a listener that throws, on an executor that runs at once, is told on another thread than that which delivers`() = runBlocking {
         // as quick as can be: the listener has thrown before the thread that delivers goes on
-        val source = sensors.source(handover = Handover { task -> thread { task.run() }.join() })
+        val source = sensors.source(executor = { task -> thread { task.run() }.join() })
         val told = AtomicReference<Pair<Thread, Exception?>>()
         val listener = object : CompassReadingListener {
             override fun onReading(reading: CompensatedReading) = error("of the app")
@@ -241,32 +246,31 @@ class ForeignCodeTest {
     }
 
     @Test
-    fun `closing ends the state, for who collects it and for who looks`() = runBlocking {
+    fun `closing ends the states, for who collects them and for who comes later`() = runBlocking {
         val compass = Compass(sensors.source(), grace = ZERO)
-        val screen = CoroutineScope(Dispatchers.Unconfined).launch { compass.state.collect { } }
+        val states = CopyOnWriteArrayList<CompassState>()
+        val screen = CoroutineScope(Dispatchers.Unconfined).launch { compass.states().collect(states::add) }
         sensors.registered(3)
         play(1500)
-        assertNotNull((compass.state.value as CompassState.Live).reading.headingDeg)
+        assertNotNull((states.last() as CompassState.Live).reading.headingDeg)
         compass.close()
-        until { compass.state.value is CompassState.Ended }
-        assertTrue((compass.state.value as CompassState.Ended).error is MagcompException.Closed)
+        screen.join()
+        assertTrue((states.last() as CompassState.Ended).error is MagcompException.Closed, "${states.last()}")
         until { sensors.registrations.isEmpty() }
-        screen.cancelAndJoin()
-        // who comes later is told the same
-        val late = withTimeout(120_000) { compass.state.first { it != CompassState.Waiting } }
-        assertTrue((late as CompassState.Ended).error is MagcompException.Closed, "$late")
+        val late = withTimeout(120_000) { compass.states().toList() }
+        assertEquals(CompassState.Waiting, late[0])
+        assertTrue((late[1] as CompassState.Ended).error is MagcompException.Closed, "$late")
     }
 
     @Test
-    fun `the end of a source is the end of the state, without an error, and of who listens, also where the source knows its sensors`() = runBlocking {
+    fun `the end of a source is the end of the states, without an error, and of who listens, also where the source knows its sensors`() = runBlocking {
         class Finite : MagneticFieldSource {
-            override val sensors = kotlinx.coroutines.flow.MutableStateFlow(
-                SensorsInUse(UsedSensor(Sensor.TYPE_MAGNETIC_FIELD, "m", "", SensorAccuracy.HIGH), null, null, null),
-            )
-
-            override fun samples() = Played(events(tumbling(3))).samples()
+            override suspend fun deliver(taker: EventTaker) {
+                taker.heard(SensorsInUse(UsedSensor(Sensor.TYPE_MAGNETIC_FIELD, "m", "", SensorAccuracy.HIGH), null, null, null))
+                Played(events(tumbling(3))).deliver(taker)
+            }
         }
-        val ended = withTimeout(120_000) { Compass(Finite()).state.first { it is CompassState.Ended } } as CompassState.Ended
+        val ended = withTimeout(120_000) { Compass(Finite()).states().last() } as CompassState.Ended
         assertEquals(null, ended.error)
         val told = java.util.concurrent.CompletableFuture<Pair<Int, Exception?>>()
         val listener = object : CompassReadingListener {

@@ -136,25 +136,63 @@ class OneRunTest {
 
     @Test
     fun `who takes none for a minute is told, after what has waited, and the others go on`() = runBlocking {
-        val source = sensors.source(SensorOptions(rateHz = 1, holdS = 0.0))
+        val source = sensors.source()
         val gate = CompletableDeferred<Unit>()
         val slow = CopyOnWriteArrayList<SensorSample>()
         val error = CopyOnWriteArrayList<Throwable>()
         val now = CoroutineScope(Dispatchers.Unconfined)
         val stuck = now.launch {
-            runCatching { source.samples().collect { slow += it.also { gate.await() } } }.exceptionOrNull()?.let(error::add)
+            runCatching { source.samples().collect { slow += it; gate.await() } }.exceptionOrNull()?.let(error::add)
         }
         val other = AtomicLong()
         val quick = now.launch { source.samples().collect { other.set(it.timeNs) } }
-        for (k in 1L..1000) magnetic(k)
-        assertEquals(Pair(0, 1000L), Pair(slow.size, other.get()))
+        var k = 0L
+        until { (slow.isNotEmpty() && other.get() > 0).also { magnetic(++k) } }
+        repeat(20_000) { magnetic(++k) }
+        assertEquals(Pair(1, k), Pair(slow.size, other.get()))
         gate.complete(Unit)
         withTimeout(120_000) { stuck.join() }
         assertTrue(error.single() is SensorException.NotTaken, "${error.single()}")
-        assertEquals(181, slow.size, "those of a minute, and the one that was being taken")
+        assertEquals(18_001, slow.size, "those of a minute, and the one that was being taken")
         assertEquals(3, sensors.registrations.size)
         quick.cancelAndJoin()
         assertEquals(0, sensors.registrations.size)
+    }
+
+    /** As an app filters the phone's events. */
+    private class Shifted(private val of: MagneticFieldSource) : MagneticFieldSource by of {
+        val threads = CopyOnWriteArrayList<Thread>()
+
+        override suspend fun deliver(taker: EventTaker) = of.deliver(object : EventTaker by taker {
+            override fun take(event: RawEvent) {
+                threads += Thread.currentThread()
+                taker.take(event.copy().apply { x += 5 })
+            }
+        })
+    }
+
+    @Test
+    fun `a source that wraps the phone's is estimated on the thread of its sensors, and tells of silence`() = runBlocking {
+        val source = sensors.source()
+        val shifted = Shifted(source)
+        val (wrapped, plain) = List(2) { CopyOnWriteArrayList<CompensatedReading>() }
+        val now = CoroutineScope(Dispatchers.Unconfined)
+        val one = now.launch { Compass(shifted, grace = ZERO).readings().collect(wrapped::add) }
+        val two = now.launch { Compass(source, grace = ZERO).readings().collect(plain::add) }
+        var k = 0L
+        until { (wrapped.isNotEmpty() && plain.isNotEmpty()).also { if (!it) magnetic(++k * STEP_NS) } }
+        wrapped.clear()
+        shifted.threads.clear()
+        magnetic(++k * STEP_NS)
+        assertEquals(plain.last().sample.fieldUt.x + 5, wrapped.single().sample.fieldUt.x)
+        assertEquals(listOf(Thread.currentThread()), shifted.threads.toList())
+        assertEquals(1, sensors.most.get())
+        repeat(300) { Handler.pass(10) }
+        assertTrue((wrapped.last().stream as StreamStatus.Silent).sensors.contains(PhoneSensor.MAGNETOMETER))
+        assertEquals(2, wrapped.size)
+        one.cancelAndJoin()
+        two.cancelAndJoin()
+        until { sensors.registrations.isEmpty() }
     }
 
     @Test

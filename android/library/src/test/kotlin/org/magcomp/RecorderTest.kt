@@ -206,8 +206,8 @@ class RecorderTest {
     @Test
     fun `it is written on a thread for that, and so is a source of one's own collected`() = runBlocking {
         val threads = CopyOnWriteArrayList<Thread>()
-        val noted = object : MagneticFieldSource {
-            override fun samples() = flow {
+        val noted = object : FlowSource() {
+            override fun played() = flow {
                 threads += Thread.currentThread()
                 emit(up(1))
             }
@@ -219,8 +219,8 @@ class RecorderTest {
 
     @Test
     fun `it ends before it is too large, with a file that plays`() = runBlocking {
-        val endless = object : MagneticFieldSource {
-            override fun samples() = flow {
+        val endless = object : FlowSource() {
+            override fun played() = flow {
                 var k = 0L
                 while (true) {
                     k += STEP_NS
@@ -272,8 +272,8 @@ class RecorderTest {
         val sensors = FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD, Sensor.TYPE_GRAVITY)
         assertThrows(java.io.IOException::class.java) { runBlocking { sensors.source().record(folder.resolve("none/r.csv")) } }
         assertEquals(0, sensors.most.get())
-        val waiting = object : MagneticFieldSource {
-            override fun samples() = flow<SensorSample> { awaitCancellation() }
+        val waiting = object : FlowSource() {
+            override fun played() = flow<SensorSample> { awaitCancellation() }
         }
         val file = folder.resolve("r.csv")
         val recording = async(Dispatchers.Default) { waiting.record(file) }

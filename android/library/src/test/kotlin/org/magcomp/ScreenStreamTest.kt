@@ -10,8 +10,8 @@ import kotlinx.coroutines.CoroutineScope
 import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.cancelAndJoin
 import kotlinx.coroutines.delay
-import kotlinx.coroutines.flow.first
 import kotlinx.coroutines.flow.flow
+import kotlinx.coroutines.flow.last
 import kotlinx.coroutines.launch
 import kotlinx.coroutines.runBlocking
 import kotlinx.coroutines.withTimeout
@@ -47,7 +47,6 @@ class ScreenStreamTest {
         assertEquals(List(2000) { (it + 1) * STEP_NS }, readings.map { it.sample.timeNs })
         assertEquals(0L, readings.sumOf { it.droppedBefore })
         assertEquals(listOf(STEP_NS, 2000 * STEP_NS), headings.map { it.timeNs })
-        assertEquals(1998L, headings[1].details.droppedBefore)
         screen.cancelAndJoin()
         file.cancelAndJoin()
     }
@@ -70,32 +69,112 @@ class ScreenStreamTest {
     }
 
     @Test
-    fun `a state flow has the latest, uses the sensors while it is collected, and is empty afterwards`() = runBlocking {
-        assertEquals(CompassState.Waiting, compass.state.value)
+    fun `states wait first, have each reading, and use the sensors while they are collected`() = runBlocking {
+        val states = CopyOnWriteArrayList<CompassState>()
+        val collected = compass.states()
         assertEquals(0, sensors.registrations.size, "asking starts nothing")
-        val screen = scope.launch { compass.state.collect { } }
+        val screen = scope.launch { collected.collect(states::add) }
+        assertEquals(listOf<CompassState>(CompassState.Waiting), states.toList())
         sensors.registered(3)
-        play(1500)
-        assertEquals(phone.timeNs, (compass.state.value as CompassState.Live).reading.timeNs)
-        assertTrue(compass.state === compass.state)
-        val other = scope.launch { compass.state.collect { } }
+        play(2)
+        assertEquals(listOf(STEP_NS, 2 * STEP_NS), states.drop(1).map { (it as CompassState.Live).reading.timeNs })
+        val other = scope.launch { compass.states().collect { } }
         assertEquals(1, sensors.most.get())
         screen.cancelAndJoin()
         other.cancelAndJoin()
-        withTimeout(120_000) { while (sensors.registrations.isNotEmpty() || compass.state.value != CompassState.Waiting) delay(1) }
+        withTimeout(120_000) { while (sensors.registrations.isNotEmpty()) delay(1) }
     }
 
     @Test
-    fun `a state flow has the error, and the next collector begins anew`() = runBlocking {
+    fun `states end with the error, and the next collector begins anew`() = runBlocking {
         sensors.refuse = Sensor.TYPE_GRAVITY
-        val refused = withTimeout(120_000) { compass.state.first { it is CompassState.Ended } } as CompassState.Ended
+        val refused = withTimeout(120_000) { compass.states().last() } as CompassState.Ended
         assertTrue(refused.error is SensorException.Refused)
         sensors.refuse = null
-        val screen = scope.launch { compass.state.collect { } }
+        val states = CopyOnWriteArrayList<CompassState>()
+        val screen = scope.launch { compass.states().collect(states::add) }
         sensors.registered(3)
         play(1)
-        assertEquals(phone.timeNs, (compass.state.value as CompassState.Live).reading.timeNs)
+        assertEquals(phone.timeNs, (states.last() as CompassState.Live).reading.timeNs)
         screen.cancelAndJoin()
+    }
+
+    @Test
+    fun `two screens of one compass have each the heading as it is turned, also one of Java`() = runBlocking {
+        // turned further while it collects
+        var turned = ScreenRotation.DEG90
+        val (upright, landscape, camera) = List(3) { CopyOnWriteArrayList<CompassReading>() }
+        val java = CopyOnWriteArrayList<CompassReading>()
+        val listener = object : HeadingListener {
+            override fun onHeading(reading: CompassReading) {
+                java += reading
+            }
+
+            override fun onEnd(error: Exception?) = Unit
+        }
+        val whole = CopyOnWriteArrayList<CompensatedReading>()
+        val screens = listOf(
+            scope.launch { compass.headings().collect(upright::add) },
+            scope.launch { compass.headings { turned }.collect(landscape::add) },
+            scope.launch { compass.headings(ReferenceAxis.CAMERA).collect(camera::add) },
+            scope.launch { compass.readings().collect(whole::add) },
+        )
+        val running = compass.start({ it.run() }, listener, ReferenceAxis.TOP_EDGE) { ScreenRotation.DEG180 }
+        sensors.registered(3)
+        // each has a twin whose config says the same
+        val flat = List(1500) { phone.advance(still = false) }.flatten()
+        flat.forEach { if (it.timeNs == 1000 * STEP_NS) turned = ScreenRotation.DEG270; sensors.deliver(it) }
+        fun twin(axis: ReferenceAxis, rotation: ScreenRotation) =
+            Compensator(CompensationConfig(heading = HeadingConfig(axis, rotation))).use { it.pushReported(flat.map(::inFloats)) }
+        for ((got, axis, rotation) in listOf(
+            Triple(upright, ReferenceAxis.AUTO, { ScreenRotation.DEG0 }),
+            Triple(landscape, ReferenceAxis.AUTO, { turned }),
+            Triple(camera, ReferenceAxis.CAMERA, { ScreenRotation.DEG0 }),
+            Triple(java, ReferenceAxis.TOP_EDGE, { ScreenRotation.DEG180 }),
+        )) {
+            turned = ScreenRotation.DEG90
+            val before = twin(axis, rotation())
+            turned = ScreenRotation.DEG270
+            val after = twin(axis, rotation())
+            assertEquals(1500, got.size, "$axis")
+            var compared = 0
+            got.forEachIndexed { k, reading ->
+                val expected = (if (k < 999) before[k] else after[k]).heading
+                assertEquals(expected == null, reading.headingDeg == null, "$axis $k")
+                expected ?: return@forEachIndexed
+                assertEquals(0.0, Math.IEEEremainder(expected.headingDeg - reading.headingDeg!!, 360.0), 1e-7, "$axis $k")
+                assertEquals(expected.headingSigmaDeg!!, reading.headingSigmaDeg!!, 1e-6 * expected.headingSigmaDeg!!, "$axis $k")
+                val same = whole[k].headingOn(if (k < 999 && got === landscape) ScreenRotation.DEG90 else rotation(), axis)!!
+                assertEquals(listOf(reading.headingDeg, reading.headingSigmaDeg, null), with(same) { listOf(headingDeg, headingSigmaDeg, trueHeadingDeg) })
+                compared += 1
+            }
+            assertTrue(compared > 1000, "$axis $compared")
+        }
+        running.close()
+        screens.forEach { it.cancelAndJoin() }
+    }
+
+    /** As a compass gives them to its estimator. */
+    private fun Compensator.pushReported(events: List<SensorSample>): List<MagneticReading> = events.mapNotNull { event ->
+        when (event) {
+            is SensorSample.Magnetic -> push(event.sample)
+            is SensorSample.RotationRate -> with(event.sample.rateRadS) { pushRotationRate(event.timeNs, x, y, z) }.let { null }
+            is SensorSample.Up -> with(event.sample.upMS2) { pushUp(event.timeNs, x, y, z) }.let { null }
+        }
+    }
+
+    @Test
+    fun `a rotation that can't be told is an error of its screen alone`() = runBlocking {
+        val got = CopyOnWriteArrayList<CompassReading>()
+        val other = scope.launch { compass.headings().collect(got::add) }
+        val states = CopyOnWriteArrayList<CompassState>()
+        val broken = scope.launch { compass.states { error("of the app") }.collect(states::add) }
+        sensors.registered(3)
+        play(2)
+        broken.join()
+        assertEquals("of the app", (states.last() as CompassState.Ended).error!!.message)
+        assertEquals(2, got.size)
+        other.cancelAndJoin()
     }
 
     @Test
@@ -123,10 +202,10 @@ class ScreenStreamTest {
 
     @Test
     fun `a source's Error is in the state and ends nothing else`() = runBlocking {
-        val broken = object : MagneticFieldSource {
-            override fun samples() = flow<SensorSample> { throw StackOverflowError("on purpose") }
+        val broken = object : FlowSource() {
+            override fun played() = flow<SensorSample> { throw StackOverflowError("on purpose") }
         }
-        val told = withTimeout(120_000) { Compass(broken).state.first { it is CompassState.Ended } } as CompassState.Ended
+        val told = withTimeout(120_000) { Compass(broken).states().last() } as CompassState.Ended
         assertTrue(told.error!!.cause is StackOverflowError)
     }
 

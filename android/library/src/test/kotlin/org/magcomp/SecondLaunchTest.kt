@@ -159,8 +159,8 @@ class SecondLaunchTest {
         var nowS = NOW_S + 3600
         val resting = Phone(5).apply { layDown(80.0) }
         val events = (1..150).flatMap { resting.advance(still = true) }
-        val source = object : MagneticFieldSource {
-            override fun samples() = flow { events.forEach { emit(it) } }
+        val source = object : FlowSource() {
+            override fun played() = flow { events.forEach { emit(it) } }
         }
         val compass = Compass(source, store = store, grace = ZERO).apply { unixTimeS = { nowS } }
         compass.declinationDeg = 2.0
@@ -179,8 +179,8 @@ class SecondLaunchTest {
         val moving = (1..3000).flatMap { turned.advance(still = false) }
         // the second sample waits until the first reading was seen: a collector that is slow loses none of it
         var isSeen = CompletableDeferred<Unit>()
-        val played = object : MagneticFieldSource {
-            override fun samples() = flow {
+        val played = object : FlowSource() {
+            override fun played() = flow {
                 moving.forEachIndexed { k, event ->
                     if (k == 3) isSeen.await()
                     emit(event)

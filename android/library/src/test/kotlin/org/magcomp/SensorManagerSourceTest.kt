@@ -133,8 +133,6 @@ class SensorManagerSourceTest {
             override fun take(event: RawEvent) {
                 taken += event.timeNs
             }
-
-            override fun failed(error: Throwable) = throw error
         }
         fun deliver() = sensors.deliver(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, 1 + taken.size.toLong(), 1f, 2f, 3f)
         var listener: SensorEventListener? = null
@@ -143,7 +141,7 @@ class SensorManagerSourceTest {
             // what was on its way
             deliver()
         }
-        assertThrows(SensorException.Refused::class.java) { runBlocking { sensors.source().deliverOnTheirThread(taker) } }
+        assertThrows(SensorException.Refused::class.java) { runBlocking { sensors.source().deliver(taker) } }
         // an event that the thread had before it ended
         listener!!.onSensorChanged(SensorEvent(sensors.getDefaultSensor(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED)!!, 0, 9, floatArrayOf(1f, 2f, 3f)))
         assertEquals(emptyList<Long>(), taken)
@@ -435,7 +433,7 @@ class SensorManagerSourceTest {
     ): List<SensorSample> = kotlinx.coroutines.coroutineScope {
         val samples = mutableListOf<SensorSample>()
         val job = launch { source.samples().take(count).toList(samples) }
-        sensors.registered(1)
+        withTimeout(120_000) { while (source.sensors.value == null && job.isActive) yield() }
         play()
         withTimeout(120_000) { job.join() }
         samples

@@ -236,8 +236,8 @@ class SharedCompassTest {
                 stores += here()
             }
         }
-        val source = object : MagneticFieldSource {
-            override fun samples() = flow { for (event in events.take(1000)) emit(event.also { sources += here() }) }
+        val source = object : FlowSource() {
+            override fun played() = flow { for (event in events.take(1000)) emit(event.also { sources += here() }) }
         }
         Compass(source, store = store).readings().toList()
         assertEquals(setOf("magcomp compass"), sources.toSet())
@@ -276,8 +276,8 @@ class SharedCompassTest {
 
     @Test
     fun `an Error of the source ends every collector with it`() = runBlocking {
-        val broken = object : MagneticFieldSource {
-            override fun samples() = flow {
+        val broken = object : FlowSource() {
+            override fun played() = flow {
                 emit(events.first { it is SensorSample.Magnetic })
                 delay(50)
                 throw StackOverflowError("on purpose")
@@ -367,12 +367,12 @@ class SharedCompassTest {
     }
 
     /** Knows how many of its runs are under way, and takes its time to end one. */
-    private class Slow(private val error: Throwable? = null) : MagneticFieldSource {
+    private class Slow(private val error: Throwable? = null) : FlowSource() {
         private val running = AtomicInteger()
         val most = AtomicInteger()
         val ends = AtomicInteger()
 
-        override fun samples() = flow {
+        override fun played() = flow {
             running.incrementAndGet().let { now -> most.updateAndGet { maxOf(it, now) } }
             try {
                 events(tumbling(2)).forEach { emit(it) }

@@ -8,6 +8,8 @@ import kotlinx.coroutines.Dispatchers
 import kotlinx.coroutines.cancelAndJoin
 import kotlinx.coroutines.launch
 import kotlinx.coroutines.runBlocking
+import kotlinx.coroutines.withTimeout
+import kotlinx.coroutines.yield
 import org.junit.jupiter.api.Assertions.assertEquals
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
@@ -30,6 +32,7 @@ class SilenceTest {
         val samples = CopyOnWriteArrayList<SensorSample>()
         val job = CoroutineScope(Dispatchers.Unconfined).launch { source.samples().collect { samples += it } }
         sensors.registered(registered)
+        withTimeout(120_000) { while (source.sensors.value == null) yield() }
         body()
         job.cancelAndJoin()
         assertEquals(0, sensors.registrations.size)

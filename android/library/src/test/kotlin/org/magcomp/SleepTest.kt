@@ -24,10 +24,10 @@ class SleepTest {
 
     @Test
     fun `sleep before a compass is made is none of its own`() = runBlocking {
-        val source = object : MagneticFieldSource {
+        val source = object : FlowSource() {
             override val hiddenS = 3600.0
 
-            override fun samples() = flow { events(tumbling(50)).forEach { emit(it) } }
+            override fun played() = flow { events(tumbling(50)).forEach { emit(it) } }
         }
         val compass = Compass(source, grace = ZERO)
         compass.readings().toList()

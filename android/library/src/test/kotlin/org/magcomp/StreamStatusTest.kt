@@ -90,7 +90,7 @@ class StreamStatusTest {
             assertEquals(CompensationStatus.Rejected(RejectReason.NotFinite), status)
         }
         assertTrue(told.sample.fieldUt.x.isNaN())
-        val shown = CompassReading(told)
+        val shown = shown(told)
         assertNull(shown.headingDeg)
         assertEquals("the magnetometer delivers nothing", shown.text(resources))
         assertNull(shown.guidance(resources))
@@ -135,6 +135,7 @@ class StreamStatusTest {
         val latest = readings.last()
         sensors.continuousNs += 999_999_999
         assertTrue(withTimeout(120_000) { compass.readings().first() } === latest)
+        assertEquals(latest.sample.timeNs, withTimeout(120_000) { compass.headings().first() }.timeNs)
         sensors.continuousNs += 1
         val got = CopyOnWriteArrayList<CompensatedReading>()
         val late = CoroutineScope(Dispatchers.Unconfined).launch { compass.readings().collect(got::add) }
@@ -142,6 +143,21 @@ class StreamStatusTest {
         phone.advance(still = false).forEach(sensors::deliver)
         assertEquals(listOf(phone.timeNs to 0L), got.map { it.sample.timeNs to it.droppedBefore })
         late.cancelAndJoin()
+    }
+
+    @Test
+    fun `who joins screens for whole readings gets the next one, and what came before is not dropped`() = runBlocking {
+        val scope = CoroutineScope(Dispatchers.Unconfined)
+        val screen = scope.launch { compass.headings().collect { } }
+        sensors.registered(3)
+        play(100)
+        val got = CopyOnWriteArrayList<CompensatedReading>()
+        val file = scope.launch { compass.readings().collect(got::add) }
+        assertEquals(0, got.size)
+        play(2)
+        assertEquals(listOf(phone.timeNs - STEP_NS to 0L, phone.timeNs to 0L), got.map { it.sample.timeNs to it.droppedBefore })
+        file.cancelAndJoin()
+        screen.cancelAndJoin()
     }
 
     @Test
@@ -154,7 +170,7 @@ class StreamStatusTest {
         val told = readings.last()
         assertEquals(StreamStatus.NoVertical, told.stream)
         assertNull(told.reading.heading)
-        assertEquals("no vertical: the gravity sensor delivers nothing that fits the magnetometer's times", CompassReading(told).text(resources))
+        assertEquals("no vertical: the gravity sensor delivers nothing that fits the magnetometer's times", shown(told).text(resources))
     }
 
     @Test
@@ -177,9 +193,9 @@ class StreamStatusTest {
         assertEquals(List(101) { StreamStatus.Live } + List(199) { StreamStatus.NoVertical }, told.map { it.stream })
         // who is asked to turn the phone mends no vertical
         val (live, without) = told.partition { it.stream == StreamStatus.Live }
-        assertNotNull(CompassReading(live.last()).guidance(resources))
+        assertNotNull(shown(live.last()).guidance(resources))
         assertNotNull(without.first().reading.status.guidance(resources))
-        for (reading in without) assertNull(CompassReading(reading).guidance(resources))
+        for (reading in without) assertNull(shown(reading).guidance(resources))
         val all = List(300) { phone.advance(still = false) }.flatten()
         assertTrue(all.asFlow().compensated().toList().all { it.stream == StreamStatus.Live })
     }
@@ -285,7 +301,6 @@ class StreamStatusTest {
         waiting.poll(60, TimeUnit.SECONDS)!!.run()
         waiting.poll(60, TimeUnit.SECONDS)!!.run()
         assertEquals(listOf(all[0].sample.timeNs, all[99].sample.timeNs), headings.map { it.timeNs })
-        assertEquals(98L, headings[1].details.droppedBefore)
         play(300, PhoneSensor.MAGNETOMETER)
         waiting.poll(60, TimeUnit.SECONDS)!!.run()
         assertEquals(silent, headings.last().stream)

@@ -136,10 +136,20 @@ fun flat(k: Int): List<SensorSample> {
 fun newer(text: String) = text.replaceFirst(Regex("\"magcomp_calibration\": ?\\d+"), "\"magcomp_calibration\":99")
 
 /** Plays these events to all who collect. */
-class Played(private val events: Flow<SensorSample>) : MagneticFieldSource {
+class Played(private val events: Flow<SensorSample>) : FlowSource() {
     constructor(events: List<SensorSample>) : this(events.asFlow())
 
-    override fun samples() = events
+    override fun played() = events
+}
+
+/** A source of an app's own, whose events are a flow. */
+abstract class FlowSource : MagneticFieldSource {
+    abstract fun played(): Flow<SensorSample>
+
+    override suspend fun deliver(taker: EventTaker) {
+        val event = RawEvent()
+        played().collect { taker.take(event.set(it)) }
+    }
 }
 
 /** Every answer of a compass of its own to these events. Its store is called where its readings are made. */
@@ -151,12 +161,8 @@ internal fun Flow<SensorSample>.compensated(
     Compass(Played(this@compensated), config, store, grace = ZERO, one, Dispatchers.Unconfined).use { emitAll(it.readings()) }
 }
 
-/** Sets the whole frame. */
-fun Compass.set(frame: HeadingFrame) {
-    axis = frame.axis
-    screenRotation = frame.screenRotation
-    declinationDeg = frame.declinationDeg
-}
+/** What a screen that is not turned shows of a reading. */
+fun shown(reading: CompensatedReading) = CompassReading(reading.answer, ReferenceAxis.AUTO, ScreenRotation.DEG0)
 
 /** A time of the wall clock, seconds since 1970. */
 const val NOW_S = 1_795_000_000L

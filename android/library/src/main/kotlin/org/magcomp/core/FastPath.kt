@@ -11,6 +11,11 @@ internal object FastPath {
     const val TOO_SHORT: Int = -3
     const val NO_SUCH_KIND: Int = -4
 
+    const val HEADING: Int = 0
+    const val HEADING_SIGMA: Int = 1
+    const val TRUE_HEADING: Int = 2
+    const val ATTITUDE_SIGMA: Int = 3
+
     const val MAGNETIC: Byte = 0
     const val ROTATION_RATE: Byte = 1
     const val UP: Byte = 2
@@ -35,6 +40,10 @@ internal object FastPath {
         bz: Double,
         out: DoubleArray,
     ): Int
+
+    /** One number of a heading in a frame, by the numbers of a reading; what is not known is NaN. */
+    @JvmStatic
+    external fun heading(numbers: DoubleArray, axis: Int, rotation: Int, which: Int): Double
 
     @JvmStatic
     external fun pushRotationRate(handle: Long, timeNs: Long, x: Double, y: Double, z: Double): Int

@@ -125,6 +125,7 @@ public class ReadingBuffer {
         const val FIT_PROBLEM = 32
         const val REAL = 33
         const val WHOLE = 36
+        const val POINTING = 40
 
         /** The numbers of a reading but for event and status. */
         const val NUMBERS = 25
@@ -150,16 +151,8 @@ public class ReadingBuffer {
 
         fun reading(slots: DoubleArray, at: Int, timeNs: Long): MagneticReading = reading(slots, at, timeNs, event(slots, at), status(slots, at))
 
-        /** Of [slots] the [NUMBERS] alone are read, and those from [SIGMA_T] on of [figures], where they have a place of their own. */
-        fun reading(
-            slots: DoubleArray,
-            at: Int,
-            timeNs: Long,
-            event: FieldEvent?,
-            status: CompensationStatus,
-            figures: DoubleArray = slots,
-            figuresAt: Int = at,
-        ): MagneticReading = MagneticReading(
+        /** Of [slots] the [NUMBERS] alone are read. */
+        fun reading(slots: DoubleArray, at: Int, timeNs: Long, event: FieldEvent?, status: CompensationStatus): MagneticReading = MagneticReading(
             timeNs = timeNs,
             fieldUt = vectorOrNull(slots, at + FIELD),
             fieldSigmaUt = known(slots[at + FIELD_SIGMA]),
@@ -167,14 +160,14 @@ public class ReadingBuffer {
             totalFieldUt = known(slots[at + TOTAL_FIELD]),
             heading = heading(slots, at),
             attitude = attitude(slots, at),
-            sigmaT = known(figures[figuresAt + SIGMA_T]),
-            window = figures[figuresAt + WINDOW].toInt(),
-            coverage = figures[figuresAt + COVERAGE],
-            directionSigmaDeg = known(figures[figuresAt + DIRECTION_SIGMA]),
-            worstSigmaDeg = known(figures[figuresAt + WORST_SIGMA]),
-            modelOrder = modelOrder(figures, figuresAt),
-            reportedHardIronJumpUt = known(figures[figuresAt + REPORTED_JUMP]),
-            mode = mode(figures, figuresAt),
+            sigmaT = known(slots[at + SIGMA_T]),
+            window = slots[at + WINDOW].toInt(),
+            coverage = slots[at + COVERAGE],
+            directionSigmaDeg = known(slots[at + DIRECTION_SIGMA]),
+            worstSigmaDeg = known(slots[at + WORST_SIGMA]),
+            modelOrder = modelOrder(slots, at),
+            reportedHardIronJumpUt = known(slots[at + REPORTED_JUMP]),
+            mode = mode(slots, at),
             event = event,
             status = status,
         )

@@ -2,7 +2,6 @@ package org.magcomp.readme
 
 import android.app.Application
 import android.location.Location
-import android.view.Display
 import androidx.lifecycle.AndroidViewModel
 import kotlin.math.roundToInt
 import kotlinx.coroutines.flow.Flow
@@ -14,10 +13,11 @@ import org.magcomp.screenRotation
 import org.magcomp.text
 
 // what follows is in android/README.md; ReadmeTest compares them
-class CompassViewModel(app: Application) : AndroidViewModel(app) {
+class CompassViewModel(private val app: Application) : AndroidViewModel(app) {
     private val compass = Compass(app)
 
-    val text: Flow<String> = compass.headings().map { reading ->
+    /** Of the screen that collects it; its `Display.getRotation()` is asked with every reading, as upside down restarts no activity. */
+    fun text(rotation: () -> Int): Flow<String> = compass.headings { screenRotation(rotation()) }.map { reading ->
         // null: the sentence says what is missing, also that the sensors have fallen silent
         val headingDeg = reading.headingDeg ?: return@map reading.text(app.resources)
         "${headingDeg.roundToInt() % 360}°, give or take ${reading.headingSigmaDeg?.roundToInt()}°"
@@ -25,11 +25,6 @@ class CompassViewModel(app: Application) : AndroidViewModel(app) {
 
     /** For `reading.trueHeadingDeg`. The place needs a location permission, the sensors need none. */
     fun at(place: Location) = compass.setPlace(place)
-
-    /** Wherever the screen turned (`DisplayListener`): upside down restarts no activity. */
-    fun turned(display: Display) {
-        compass.screenRotation = screenRotation(display.rotation)
-    }
 
     override fun onCleared() = compass.close()
 }

@@ -4,12 +4,12 @@ import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.mapNotNull
 import org.magcomp.Compass
 import org.magcomp.Orientation
-import org.magcomp.orientation
+import org.magcomp.screenRotation
 
 // what follows is in android/MIGRATION.md; ReadmeTest compares them
 /** What `getOrientation` answered after `remapCoordinateSystem` for the turned screen, in degrees. */
-fun orientations(compass: Compass): Flow<Orientation> =
-    compass.headings().mapNotNull { it.attitude?.orientation(compass.screenRotation) }
+fun orientations(compass: Compass, rotation: () -> Int): Flow<Orientation> =
+    compass.headings { screenRotation(rotation()) }.mapNotNull { it.orientation }
 
 /** What `onSensorChanged` got of `TYPE_ROTATION_VECTOR`: x, y, z, w, and the accuracy in radians, -1 where it is not known. */
 fun rotationVectors(compass: Compass): Flow<FloatArray> = compass.headings().mapNotNull { reading ->

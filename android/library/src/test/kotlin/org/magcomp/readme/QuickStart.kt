@@ -1,12 +1,18 @@
 package org.magcomp.readme
 
-import android.content.Context
-import kotlinx.coroutines.flow.Flow
+import android.app.Application
+import androidx.lifecycle.AndroidViewModel
 import kotlinx.coroutines.flow.map
 import org.magcomp.Compass
 
 // what follows is in README.md; ReadmeTest compares them
-fun headings(context: Context): Flow<String> = Compass(context).headings().map { reading ->
-    val headingDeg = reading.headingDeg ?: return@map reading.text(context.resources) // a sentence that says what is missing
-    "$headingDeg deg +- ${reading.headingSigmaDeg}"
+class HeadingViewModel(app: Application) : AndroidViewModel(app) {
+    private val compass = Compass(app)
+
+    val text = compass.headings().map { reading ->
+        val headingDeg = reading.headingDeg ?: return@map reading.text(app.resources) // a sentence that says what is missing
+        "$headingDeg deg +- ${reading.headingSigmaDeg}"
+    }
+
+    override fun onCleared() = compass.close()
 }

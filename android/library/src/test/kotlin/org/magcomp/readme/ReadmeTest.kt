@@ -2,6 +2,7 @@ package org.magcomp.readme
 
 import android.hardware.Sensor
 import android.hardware.SensorManager
+import android.view.Surface
 import com.facebook.react.bridge.ReactApplicationContext
 import io.flutter.plugin.common.EventChannel
 import kotlinx.coroutines.async
@@ -18,7 +19,6 @@ import org.magcomp.FakeApp
 import org.magcomp.FakeSensorManager
 import org.magcomp.STEP_NS
 import org.magcomp.core.DeviceVector
-import org.magcomp.core.ScreenRotation
 import org.magcomp.core.SensorSample
 import org.magcomp.core.UpSample
 import org.magcomp.events
@@ -49,14 +49,13 @@ class ReadmeTest {
     @Test
     fun `what took Android's angles and rotation vectors takes these`(): Unit = runBlocking {
         val compass = Compass(FakeApp(sensors))
-        compass.screenRotation = ScreenRotation.DEG90
         val last = async { compass.readings().first { it.sample.timeNs == 600 * STEP_NS } }
         withTimeout(120_000) { while (sensors.registrations.size < 2) yield() }
         val events = events(tumbling(600)) + SensorSample.Up(UpSample(700 * STEP_NS, DeviceVector(0.0, 0.0, 9.8)))
         events.forEach(sensors::deliver)
         last.await()
         // the latest, as no more comes
-        val (v, angles) = Pair(rotationVectors(compass).first(), orientations(compass).first())
+        val (v, angles) = Pair(rotationVectors(compass).first(), orientations(compass) { Surface.ROTATION_90 }.first())
         val (matrix, turned, expected) = Triple(FloatArray(9), FloatArray(9), FloatArray(3))
         SensorManager.getRotationMatrixFromVector(matrix, v)
         SensorManager.remapCoordinateSystem(matrix, SensorManager.AXIS_Y, SensorManager.AXIS_MINUS_X, turned)
@@ -68,7 +67,7 @@ class ReadmeTest {
 
     @Test
     fun `the first page's snippet shows a heading`(): Unit = runBlocking {
-        val heading = async { headings(FakeApp(sensors)).first { " deg +- " in it } }
+        val heading = async { HeadingViewModel(FakeApp(sensors)).text.first { " deg +- " in it } }
         withTimeout(120_000) { while (sensors.registrations.size < 2) yield() }
         val events = events(tumbling(600)) + SensorSample.Up(UpSample(700 * STEP_NS, DeviceVector(0.0, 0.0, 9.8)))
         events.forEach(sensors::deliver)
@@ -101,16 +100,16 @@ class ReadmeTest {
     @Test
     fun `it shows a heading, goes on over a rotation, and says what is missing`(): Unit = runBlocking {
         val model = CompassViewModel(FakeApp(sensors))
-        val heading = async { model.text.first { "give or take" in it } }
+        val heading = async { model.text { Surface.ROTATION_0 }.first { "give or take" in it } }
         withTimeout(120_000) { while (sensors.registrations.size < 2) yield() }
         val events = events(tumbling(600)) + SensorSample.Up(UpSample(700 * STEP_NS, DeviceVector(0.0, 0.0, 9.8)))
         events.forEach(sensors::deliver)
         assertTrue(Regex("[0-9]+°, give or take [0-9]+°").matches(heading.await()), heading.await())
         // turned: the latest at once, though no event comes
-        assertTrue("give or take" in model.text.first())
+        assertTrue("give or take" in model.text { Surface.ROTATION_90 }.first())
         assertEquals(1, sensors.most.get())
         withTimeout(120_000) { while (sensors.registrations.isNotEmpty()) delay(10) }
 
-        assertEquals("This phone has no compass.", CompassViewModel(FakeApp(FakeSensorManager())).text.first())
+        assertEquals("This phone has no compass.", CompassViewModel(FakeApp(FakeSensorManager())).text { Surface.ROTATION_0 }.first())
     }
 }

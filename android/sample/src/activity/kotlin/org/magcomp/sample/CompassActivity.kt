@@ -58,14 +58,10 @@ class CompassActivity : ComponentActivity() {
             repeatOnLifecycle(Lifecycle.State.STARTED) {
                 system.start()
                 try {
-                    model.states(compass, system.headingDeg).collect {
-                        state = it
-                        // looked at again and again, as a screen that turns upside down restarts no activity
-                        @Suppress("DEPRECATION") // its successor needs API 30
-                        val rotation = windowManager.defaultDisplay.rotation
-                        compass.screenRotation = screenRotation(rotation)
-                        system.displayRotation = rotation
-                    }
+                    // looked at again and again, as a screen that turns upside down restarts no activity
+                    @Suppress("DEPRECATION") // its successor needs API 30
+                    fun rotation() = windowManager.defaultDisplay.rotation.also { system.displayRotation = it }
+                    model.states(compass, system.headingDeg) { screenRotation(rotation()) }.collect { state = it }
                 } finally {
                     system.stop()
                 }

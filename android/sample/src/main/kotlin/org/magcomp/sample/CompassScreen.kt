@@ -1,6 +1,5 @@
 package org.magcomp.sample
 
-import androidx.compose.foundation.Canvas
 import androidx.compose.foundation.background
 import androidx.compose.foundation.clickable
 import androidx.compose.foundation.isSystemInDarkTheme
@@ -18,19 +17,17 @@ import androidx.compose.foundation.verticalScroll
 import androidx.compose.runtime.Composable
 import androidx.compose.ui.Alignment
 import androidx.compose.ui.Modifier
-import androidx.compose.ui.geometry.Offset
 import androidx.compose.ui.graphics.Color
-import androidx.compose.ui.graphics.drawscope.Stroke
 import androidx.compose.ui.semantics.Role
-import androidx.compose.ui.semantics.clearAndSetSemantics
 import androidx.compose.ui.text.TextStyle
 import androidx.compose.ui.text.style.TextAlign
 import androidx.compose.ui.unit.TextUnit
 import androidx.compose.ui.unit.dp
 import androidx.compose.ui.unit.sp
 import org.magcomp.compose.CompassRose
+import org.magcomp.compose.DirectionSphere
 import org.magcomp.compose.RoseColors
-import org.magcomp.core.DeviceVector
+import org.magcomp.compose.SphereColors
 
 private class Ink(isDark: Boolean) {
     val paper = if (isDark) Color(0xff111417) else Color(0xfffafafa)
@@ -70,21 +67,12 @@ fun CompassScreen(
             .forEach { Words(it, ink) }
         switches.forEach { Words(it.text, ink, modifier = Modifier.toggleable(it.isOn, role = Role.Switch, onValueChange = it.onChange).padding(12.dp)) }
         buttons.forEach { Words(it.text, ink, modifier = Modifier.clickable(role = Role.Button, onClick = it.onClick).padding(12.dp)) }
-        if (state.unseen.isNotEmpty()) Sphere(state, ink)
+        if (state.unseen.isNotEmpty()) {
+            DirectionSphere(state.unseen, state.pointing, state.next, SphereColors(ink.missing, ink.text, ink.faint), Modifier.size(120.dp))
+        }
     }
 }
 
 @Composable
 private fun Words(text: String, ink: Ink, modifier: Modifier = Modifier, size: TextUnit = 16.sp) =
     BasicText(text, modifier, TextStyle(color = ink.text, fontSize = size, textAlign = TextAlign.Center))
-
-/** The sphere of directions seen along the screen's normal: those missing, behind it pale, the next one large; the field now as a ring. */
-@Composable
-private fun Sphere(state: ScreenState, ink: Ink) = Canvas(Modifier.size(120.dp).clearAndSetSemantics {}) {
-    val radius = size.minDimension / 2
-    fun place(v: DeviceVector) = Offset(center.x + radius * v.x.toFloat(), center.y - radius * v.y.toFloat())
-    fun shade(v: DeviceVector) = ink.missing.copy(alpha = if (v.z < 0) 0.3f else 1f)
-    drawCircle(ink.faint, style = Stroke(1.dp.toPx()))
-    for (direction in state.unseen) drawCircle(shade(direction), if (direction == state.next) 7.dp.toPx() else 3.dp.toPx(), place(direction))
-    state.pointing?.let { drawCircle(ink.text, 8.dp.toPx(), place(it), style = Stroke(2.dp.toPx())) }
-}

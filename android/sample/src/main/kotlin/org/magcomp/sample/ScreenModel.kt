@@ -4,12 +4,14 @@ import android.content.res.Resources
 import kotlinx.coroutines.flow.Flow
 import kotlinx.coroutines.flow.StateFlow
 import kotlinx.coroutines.flow.catch
+import kotlinx.coroutines.flow.conflate
 import kotlinx.coroutines.flow.map
 import kotlinx.coroutines.flow.onCompletion
 import org.magcomp.Compass
 import org.magcomp.CompassException
 import org.magcomp.CompensatedReading
 import org.magcomp.HeadingSmoother
+import org.magcomp.compose.shownSigmaDeg
 import org.magcomp.core.CompensationStatus
 import org.magcomp.core.DeviceVector
 import org.magcomp.core.ScreenRotation
@@ -49,17 +51,20 @@ data class ScreenState(
 class ScreenModel(private val resources: Resources) {
     private val smoother = HeadingSmoother(halfLifeS = 0.1)
 
-    /** A state for every reading that a screen can follow; an error is the last one. [systemDeg] is the system's own heading. */
-    fun states(compass: Compass, systemDeg: StateFlow<Double?>): Flow<ScreenState> =
-        compass.headings()
-            .map { show(it.details, systemDeg.value, compass.screenRotation) }
+    /**
+     * A state for every reading that a screen can follow; an error is the last one. [systemDeg] is the system's own heading, [rotation] how far the
+     * screen has turned.
+     */
+    fun states(compass: Compass, systemDeg: StateFlow<Double?>, rotation: () -> ScreenRotation = { ScreenRotation.DEG0 }): Flow<ScreenState> =
+        compass.readings()
+            .conflate()
+            .map { show(it, systemDeg.value, rotation()) }
             .onCompletion { error -> if (error == null) emit(explain(null)) }
             .catch { emit(explain(it)) }
 
     fun show(answer: CompensatedReading, systemDeg: Double?, rotation: ScreenRotation = ScreenRotation.DEG0): ScreenState {
         val reading = answer.reading
-        val heading = reading.heading
-        val sigmaDeg = heading?.headingSigmaDeg ?: 180.0
+        val heading = answer.headingOn(rotation)
         val roseDeg = smoother.push(reading.timeNs, heading?.headingDeg ?: Double.NaN)
         val lacking = answer.stream.text(resources)
         val guidance = if (lacking == null) reading.status.guidance(resources) else null
@@ -69,8 +74,8 @@ class ScreenModel(private val resources: Resources) {
         val next = pointing?.let { now -> unseen.maxByOrNull { it.x * now.x + it.y * now.y + it.z * now.z } }
         return ScreenState(
             roseDeg = if (heading == null) null else roseDeg,
-            sigmaDeg = sigmaDeg,
-            heading = if (heading == null) say(R.string.no_heading) else say(R.string.heading, heading.headingDeg, sigmaDeg),
+            sigmaDeg = heading?.headingSigmaDeg ?: 180.0,
+            heading = if (heading == null) say(R.string.no_heading) else say(R.string.heading, heading.headingDeg, shownSigmaDeg(heading.headingSigmaDeg)),
             trueHeading = heading?.trueHeadingDeg?.let { say(R.string.true_heading, it) },
             systemHeading = systemDeg?.let { say(R.string.system_heading, it) },
             field = reading.totalFieldUt?.let { say(R.string.field, it) },

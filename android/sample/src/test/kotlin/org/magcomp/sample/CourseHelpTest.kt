@@ -6,14 +6,15 @@ import android.location.LocationListener
 import java.io.File
 import kotlin.math.sin
 import kotlin.time.Duration.Companion.ZERO
-import kotlinx.coroutines.flow.flow
 import kotlinx.coroutines.flow.toList
 import kotlinx.coroutines.runBlocking
 import org.junit.jupiter.api.Assertions.assertEquals
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
 import org.magcomp.Compass
+import org.magcomp.EventTaker
 import org.magcomp.MagneticFieldSource
+import org.magcomp.RawEvent
 import org.magcomp.core.CompensationConfig
 import org.magcomp.core.DeviceVector
 import org.magcomp.core.HeadingAid
@@ -30,7 +31,7 @@ class CourseHelpTest {
         lateinit var compass: Compass
         lateinit var help: CourseHelp
         val source = object : MagneticFieldSource {
-            override fun samples() = flow {
+            override suspend fun deliver(taker: EventTaker) {
                 for (k in 1L..3000) {
                     val ns = k * 20_000_000
                     fun at(latitudeDeg: Double) = Location("a test").apply {
@@ -44,9 +45,9 @@ class CourseHelpTest {
                     }
                     if (k % 50 == 0L) help.onLocationChanged(at(52.5))
                     if (k % 100 == 0L) help.onLocationChanged(at(91.0))
-                    emit(SensorSample.RotationRate(RotationRateSample(ns, DeviceVector(0.0, 0.0, 0.0))))
-                    emit(SensorSample.Up(UpSample(ns, DeviceVector(0.0, 0.0, 9.81))))
-                    emit(SensorSample.Magnetic(MagneticSample(ns, DeviceVector(0.2 * sin(k.toDouble()), 20.0, -45.0))))
+                    taker.take(RawEvent().set(SensorSample.RotationRate(RotationRateSample(ns, DeviceVector(0.0, 0.0, 0.0)))))
+                    taker.take(RawEvent().set(SensorSample.Up(UpSample(ns, DeviceVector(0.0, 0.0, 9.81)))))
+                    taker.take(RawEvent().set(SensorSample.Magnetic(MagneticSample(ns, DeviceVector(0.2 * sin(k.toDouble()), 20.0, -45.0)))))
                 }
             }
         }

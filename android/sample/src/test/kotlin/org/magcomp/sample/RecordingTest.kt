@@ -5,15 +5,17 @@ import kotlinx.coroutines.CompletableDeferred
 import kotlinx.coroutines.awaitCancellation
 import kotlinx.coroutines.flow.count
 import kotlinx.coroutines.flow.first
-import kotlinx.coroutines.flow.flow
 import kotlinx.coroutines.runBlocking
 import org.junit.jupiter.api.Assertions.assertEquals
 import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
 import org.junit.jupiter.api.io.TempDir
 import org.magcomp.Compass
+import org.magcomp.EventTaker
 import org.magcomp.MagneticFieldSource
+import org.magcomp.RawEvent
 import org.magcomp.RecordingSource
+import org.magcomp.samples
 import org.magcomp.core.DeviceVector
 import org.magcomp.core.MagneticSample
 import org.magcomp.core.SensorSample
@@ -25,8 +27,8 @@ class RecordingTest {
     private val emitted = CompletableDeferred<Unit>()
 
     private val compass = Compass(object : MagneticFieldSource {
-        override fun samples() = flow<SensorSample> {
-            for (k in 1L..100) emit(SensorSample.Magnetic(MagneticSample(k * 10_000_000, DeviceVector(1.0, 2.0, 3.0))))
+        override suspend fun deliver(taker: EventTaker) {
+            for (k in 1L..100) taker.take(RawEvent().set(SensorSample.Magnetic(MagneticSample(k * 10_000_000, DeviceVector(1.0, 2.0, 3.0)))))
             emitted.complete(Unit)
             awaitCancellation()
         }

@@ -34,7 +34,9 @@ import org.junit.jupiter.api.Assertions.assertTrue
 import org.junit.jupiter.api.Test
 import org.magcomp.Compass
 import org.magcomp.CompensatedReading
+import org.magcomp.EventTaker
 import org.magcomp.MagneticFieldSource
+import org.magcomp.RawEvent
 import org.magcomp.SensorAccuracy
 import org.magcomp.SensorsInUse
 import org.magcomp.UsedSensor
@@ -115,7 +117,7 @@ class ScreenTest {
     fun `every part of a reading is said`() {
         val event = FieldEvent(FieldEventKind.DEVICE_STEP, 1_000_000_000, 2_410_000_000)
         val state = ScreenModel(resources).show(answer(CompensationStatus.Held(HoldReason.TooLittleRotation), event = event), systemDeg = 47.2)
-        assertEquals("42° ± 12°", state.heading)
+        assertEquals("42° ± 13°", state.heading, "as wide as the rose's sector, which is rounded up")
         assertEquals(41.6, state.roseDeg)
         assertEquals(12.4, state.sigmaDeg)
         assertEquals("true north: 45°", state.trueHeading)
@@ -158,7 +160,7 @@ class ScreenTest {
     @Test
     fun `an error and the end are said, and nothing of before stays`(): Unit = runBlocking {
         fun source(events: kotlinx.coroutines.flow.Flow<SensorSample>) = object : MagneticFieldSource {
-            override fun samples() = events
+            override suspend fun deliver(taker: EventTaker) = events.collect { taker.take(RawEvent().set(it)) }
         }
         val sample = SensorSample.Magnetic(MagneticSample(1, DeviceVector(1.0, 2.0, 3.0)))
         val over = ScreenModel(resources).states(Compass(source(flowOf(sample)), grace = ZERO), MutableStateFlow(null)).toList()
@@ -216,14 +218,14 @@ class ScreenTest {
     @Test
     fun `a magnetometer that is silent is said, though there is no reading`(): Unit = runBlocking {
         val used = UsedSensor(14, "m", "v", SensorAccuracy.HIGH)
-        val told = MutableStateFlow<SensorsInUse?>(SensorsInUse(used, null, null, null))
         val silent = object : MagneticFieldSource {
-            override fun samples() = flow<SensorSample> { awaitCancellation() }
-
-            override val sensors = told
+            override suspend fun deliver(taker: EventTaker) {
+                taker.heard(SensorsInUse(used, null, null, null))
+                taker.heard(SensorsInUse(used.copy(isSilent = true), null, null, null))
+                awaitCancellation()
+            }
         }
         val states = async { ScreenModel(resources).states(Compass(silent, grace = ZERO), MutableStateFlow(null)).first() }
-        told.value = SensorsInUse(used.copy(isSilent = true), null, null, null)
         assertTrue("the magnetometer delivers nothing" in withTimeout(120_000) { states.await() }.status)
     }
 

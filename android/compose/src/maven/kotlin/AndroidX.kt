@@ -7,7 +7,7 @@ import kotlinx.coroutines.coroutineScope
 import kotlinx.coroutines.flow.MutableStateFlow
 import kotlinx.coroutines.flow.collectLatest
 
-// Stand-ins of AndroidX, which is in Google's Maven alone: as much as android/compose/RememberCompass.kt needs. No artifact has them.
+// Stand-ins of AndroidX, which is in Google's Maven alone: as much as rememberCompass needs. What is published is built with Gradle, without them.
 
 class Lifecycle {
     enum class State { CREATED, STARTED }

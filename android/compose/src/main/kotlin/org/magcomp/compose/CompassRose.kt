@@ -1,4 +1,3 @@
-// Copy this file into an app with Compose. It is no artifact of its own.
 package org.magcomp.compose
 
 import androidx.compose.foundation.Canvas
@@ -12,6 +11,7 @@ import androidx.compose.ui.Modifier
 import androidx.compose.ui.draw.rotate
 import androidx.compose.ui.geometry.Offset
 import androidx.compose.ui.graphics.Color
+import androidx.compose.ui.graphics.drawscope.DrawScope
 import androidx.compose.ui.graphics.drawscope.Stroke
 import androidx.compose.ui.graphics.graphicsLayer
 import androidx.compose.ui.semantics.clearAndSetSemantics
@@ -19,13 +19,22 @@ import androidx.compose.ui.semantics.contentDescription
 import androidx.compose.ui.text.TextStyle
 import androidx.compose.ui.unit.dp
 import androidx.compose.ui.unit.sp
+import kotlin.math.ceil
 
 /** The colours of a [CompassRose]: the needle, its sector and north's letter; the other letters and the lubber line; the ring. */
 public class RoseColors(public val north: Color, public val text: Color, public val ring: Color)
 
 /**
- * A rose that turns against the heading. Its sector reaches one standard deviation to either side of north, as far as the number that stands
- * beside a heading: north lies in it two times of three. The letters stay upright.
+ * One standard deviation as [CompassRose] and [HeadingCone] draw it, and as a screen reader says it: whole degrees, rounded up; 180 where it is
+ * null or none. Write this number beside them, so that all say the same.
+ */
+public fun shownSigmaDeg(sigmaDeg: Double?): Int = ceil((sigmaDeg?.takeIf { it >= 0 } ?: UNKNOWN_DEG).coerceAtMost(UNKNOWN_DEG)).toInt()
+
+private const val UNKNOWN_DEG = 180.0
+
+/**
+ * A rose that turns against the heading. Its sector reaches [shownSigmaDeg] to either side of north: north lies in it two times of three. The
+ * letters stay upright.
  *
  * ```
  * CompassRose(reading.headingDeg, reading.headingSigmaDeg, reading.spoken(resources), colors, Modifier.size(260.dp))
@@ -56,8 +65,7 @@ public fun CompassRose(
         // a layer is turned as it is: neither needle nor letters are laid out or drawn again
         Box(Modifier.fillMaxSize().graphicsLayer { rotationZ = -turnedDeg }) {
             Canvas(Modifier.fillMaxSize()) {
-                val halfDeg = (sigmaDeg?.takeIf { it >= 0 } ?: 180.0).coerceAtMost(180.0).toFloat()
-                drawArc(colors.north.copy(alpha = 0.25f), -90 - halfDeg, 2 * halfDeg, useCenter = true)
+                sector(colors.north, shownSigmaDeg(sigmaDeg))
                 drawLine(colors.north, center, Offset(center.x, 40.dp.toPx()), 3.dp.toPx())
             }
             letters.forEachIndexed { k, letter ->
@@ -69,3 +77,19 @@ public fun CompassRose(
         }
     }
 }
+
+/**
+ * A cone that points along the heading, for the dot of a map: as wide as [shownSigmaDeg] to either side. It draws nothing without a heading.
+ *
+ * @param headingDeg clockwise from the north that is at the top of the map, degrees: the true heading for a map that is not turned
+ * @param sigmaDeg as that of [CompassRose]
+ */
+@Composable
+public fun HeadingCone(headingDeg: Double?, sigmaDeg: Double?, color: Color, modifier: Modifier = Modifier) {
+    val shownDeg = headingDeg?.takeIf { it.isFinite() } ?: return
+    Canvas(modifier.graphicsLayer { rotationZ = (shownDeg % 360).toFloat() }) { sector(color, shownSigmaDeg(sigmaDeg)) }
+}
+
+/** So many degrees to either side of what is at the top. */
+private fun DrawScope.sector(color: Color, halfDeg: Int) =
+    drawArc(color.copy(alpha = 0.25f), -90f - halfDeg, 2f * halfDeg, useCenter = true)

@@ -1,4 +1,4 @@
-package org.magcomp.sample
+package org.magcomp.compose
 
 import android.view.Surface
 import androidx.compose.foundation.text.BasicText
@@ -9,32 +9,31 @@ import androidx.compose.ui.test.runDesktopComposeUiTest
 import androidx.lifecycle.Lifecycle
 import androidx.lifecycle.LifecycleOwner
 import androidx.lifecycle.compose.LocalLifecycleOwner
+import java.util.concurrent.CopyOnWriteArrayList
 import java.util.concurrent.atomic.AtomicInteger
 import kotlin.time.Duration.Companion.ZERO
-import kotlinx.coroutines.awaitCancellation
 import kotlinx.coroutines.channels.Channel
-import kotlinx.coroutines.flow.flow
 import org.junit.jupiter.api.Assertions.assertEquals
 import org.junit.jupiter.api.Test
 import org.magcomp.Compass
 import org.magcomp.CompassState
+import org.magcomp.EventTaker
 import org.magcomp.MagneticFieldSource
-import org.magcomp.compose.rememberCompass
+import org.magcomp.RawEvent
 import org.magcomp.core.DeviceVector
 import org.magcomp.core.MagneticSample
-import org.magcomp.core.ScreenRotation
 import org.magcomp.core.SensorSample
 
-/** The file that an app copies, over stand-ins of AndroidX. */
+/** Over stand-ins of AndroidX. */
 @OptIn(ExperimentalTestApi::class)
 class RememberCompassTest {
     private val events = Channel<MagneticSample>(Channel.UNLIMITED)
     private val running = AtomicInteger()
     private val source = object : MagneticFieldSource {
-        override fun samples() = flow {
+        override suspend fun deliver(taker: EventTaker) {
             running.incrementAndGet()
             try {
-                for (event in events) if (event.timeNs > 0) emit(SensorSample.Magnetic(event)) else error("broken")
+                for (event in events) if (event.timeNs > 0) taker.take(RawEvent().set(SensorSample.Magnetic(event))) else error("broken")
             } finally {
                 running.decrementAndGet()
             }
@@ -50,9 +49,10 @@ class RememberCompassTest {
         }
         val compass = Compass(source, grace = ZERO)
         var rotation = Surface.ROTATION_90
+        val asked = CopyOnWriteArrayList<Int>()
         setContent {
             CompositionLocalProvider(LocalLifecycleOwner provides screen) {
-                val state = rememberCompass(compass) { rotation }.value
+                val state = rememberCompass(compass) { rotation.also(asked::add) }.value
                 val ended = state as? CompassState.Ended
                 BasicText("time ${(state as? CompassState.Live)?.reading?.timeNs}, error ${if (ended == null) null else ended.error?.message ?: "none"}")
             }
@@ -63,11 +63,11 @@ class RememberCompassTest {
         screen.lifecycle.state.value = Lifecycle.State.STARTED
         deliver(1)
         shown("time 1, error null")
-        assertEquals(ScreenRotation.DEG90, compass.screenRotation)
+        assertEquals(Surface.ROTATION_90, asked.last())
         rotation = Surface.ROTATION_270
         deliver(2)
         shown("time 2, error null")
-        assertEquals(ScreenRotation.DEG270, compass.screenRotation)
+        assertEquals(Surface.ROTATION_270, asked.last())
 
         screen.lifecycle.state.value = Lifecycle.State.CREATED
         waitUntil(20_000) { running.get() == 0 }
