@@ -29,7 +29,7 @@ mapfile -t found < <(sed -n 's/.*GIT_TAG v\([0-9.]*\).*/\1/p' c/README.md)
 differs c/README.md "${found[@]}"
 address=$(sed -n 's/^repository = "\(.*\)"/\1/p' Cargo.toml)
 [[ "$address" == https://github.com/*/magcomp ]] || { echo "versions: Cargo.toml has no address" >&2; exit 1; }
-for file in rust/magcomp/README.md c/README.md python/pyproject.toml python/README.md android/pom.xml android/library/build.gradle.kts ios/README.md SECURITY.md \
+for file in rust/magcomp/README.md c/README.md python/pyproject.toml python/README.md android/pom.xml android/gradle/publish.gradle.kts ios/README.md SECURITY.md \
     ios/Sources/Magcomp/Magcomp.docc/Resources/App-Package.swift; do
     [ "$(grep -oE 'https://github.com/[A-Za-z0-9-]+/magcomp' "$file" | sort -u)" = "$address" ] ||
         { echo "versions: $file names another address than Cargo.toml, $address, or none" >&2; exit 1; }

@@ -31,15 +31,6 @@ fn write_whole(numbers: [i64; 2], at: usize, out: &mut Slots) {
     }
 }
 
-pub(super) fn write_status(status: &FlatStatus, out: &mut Slots) {
-    let FlatStatus { kind, reason, problem, whole, real } = *status;
-    out[STATUS] = kind.into();
-    out[REASON] = reason.into();
-    out[FIT_PROBLEM] = problem.into();
-    out[REAL..REAL + 3].copy_from_slice(&real);
-    write_whole(whole, WHOLE, out);
-}
-
 pub(super) fn of((reading, pointing): &(FlatReading, Option<Pointing>)) -> Slots {
     let mut out = [0.0; COUNT];
     out[0..3].copy_from_slice(&reading.field_ut);
@@ -65,7 +56,12 @@ pub(super) fn of((reading, pointing): &(FlatReading, Option<Pointing>)) -> Slots
     out[24] = reading.mode.into();
     out[EVENT] = reading.event.kind.into();
     write_whole([reading.event.since_ns, reading.event.decided_ns], EVENT_TIMES, &mut out);
-    write_status(&reading.status, &mut out);
+    let FlatStatus { kind, reason, problem, whole, real } = reading.status;
+    out[STATUS] = kind.into();
+    out[REASON] = reason.into();
+    out[FIT_PROBLEM] = problem.into();
+    out[REAL..REAL + 3].copy_from_slice(&real);
+    write_whole(whole, WHOLE, &mut out);
     out[POINTING..].copy_from_slice(&pointing.map_or([f64::NAN; 5], |it| {
         [it.lean, it.across_rad2.unwrap_or(f64::NAN), it.tilt_sigma_deg, it.common_rad2, it.declination_deg.unwrap_or(f64::NAN)]
     }));
