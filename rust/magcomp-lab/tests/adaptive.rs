@@ -107,12 +107,12 @@ fn never_much_worse_than_holding() {
     let cases = ["step-hand", "small-step-hand", "phone-hand", "phone-walk", "pulse", "covers", "random-steps"];
     for name in cases {
         let score = alone(name, runs(2, 6) as u64, 860);
-        // 1.64 is the worst, of all drawn anew every 15 s
-        assert!(score.worst_over_held < 1.75, "{name}: {}", score.worst_over_held);
+        // 2.04 is the worst, of M and b that grow by half in a hand: for a while they may be a magnet that slides on
+        assert!(score.worst_over_held < 2.2, "{name}: {}", score.worst_over_held);
     }
     // short arcs whose noise looked like the other side of the ellipsoid
     let hand = alone("step-hand", runs(6, 24) as u64, 4000);
-    assert!(hand.worst_over_held < 1.3, "{}", hand.worst_over_held);
+    assert!(hand.worst_over_held < 1.5, "{}", hand.worst_over_held);
     // a small change found by a span that began before it
     for (name, seed) in [("small-step-hand", 7014), ("phone-walk", 4004)] {
         let score = alone(name, 1, seed);

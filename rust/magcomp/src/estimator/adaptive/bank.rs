@@ -212,7 +212,9 @@ impl Bank {
     #[inline(never)]
     fn spawn_motions(&mut self, place: usize, parent: &Parent, frame: &Frame, id: u32, log: f64, tuning: &Tuning) {
         let best = &self.all[place];
-        if !tuning.moves || best.motion != Motion::Rests {
+        // where nothing is known, b cannot be seen to move
+        let unknown = best.error > UNKNOWN_DEG.to_radians().powi(2);
+        if !tuning.moves || unknown || best.motion != Motion::Rests {
             return;
         }
         let (number, unit_ut, likely) = (self.frames.next, self.unit_ut, best.log_joint());

@@ -20,8 +20,11 @@ internal class Inbox(private val most: Int, private val hear: (SensorsInUse) -> 
     /** Gives every event to [out] until the source ends, with its error. */
     suspend fun each(out: suspend (RawEvent) -> Unit) {
         for (event in waiting) {
+            // a cancelled collector does not get it: `rest` does
+            onItsWay = event
             Handover.away()
             out(event)
+            onItsWay = null
         }
     }
 
