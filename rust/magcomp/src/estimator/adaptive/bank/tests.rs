@@ -45,7 +45,7 @@ fn b_that_rests_may_move() {
         let mut bank = Bank::new(45.0);
         bank.begin_cold(&frame, 0.0, false, &Tuning::USED);
         bank.all.truncate(1);
-        bank.all[0].motion = motion;
+        (bank.all[0].motion, bank.all[0].error) = (motion, 0.99 * UNKNOWN_DEG.to_radians().powi(2));
         let id = bank.all[0].id;
         if let Some((motion, behind)) = tried {
             let mut other = bank.all[0].clone();
@@ -66,6 +66,12 @@ fn b_that_rests_may_move() {
     assert!(slides[0] > id);
     assert_eq!(spawned(Motion::Rests, Some((Motion::Slides, 8.9))).2, [99]);
     assert!(spawned(Motion::Rests, Some((Motion::Slides, 9.1))).2[0] != 99);
+    // a cold start of which nothing is known
+    let mut bank = Bank::new(45.0);
+    bank.begin_cold(&frame, 0.0, false, &Tuning::USED);
+    bank.all[0].error = 1.01 * UNKNOWN_DEG.to_radians().powi(2);
+    bank.spawn(0, &frame, true, 0.1, &Tuning::USED);
+    assert!(bank.all.iter().all(|it| it.motion == Motion::Rests));
     for (motion, slides) in [(Motion::Drifts, 0), (Motion::Slides, 1)] {
         assert_eq!(spawned(motion, None).2.len(), slides, "{motion:?}");
     }
