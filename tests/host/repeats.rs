@@ -92,7 +92,9 @@ fn headings_of_a_coarse_sensor_at_rest_err_as_their_sigma_says() {
             for _ in 0..6 {
                 let reading = it.run(20.0, moving).pop().expect("a reading");
                 let (off, sigma) = it.error_deg(&reading).unwrap_or((0.0, 90.0));
-                assert!(off < 3.0 * sigma && sigma < 5.0, "{witnesses:?}, moving {moving}: {off} at {sigma}");
+                // the magnetometer alone takes its noise for a magnet that slides
+                let most_deg = if witnesses.0 { 5.0 } else { 20.0 };
+                assert!(off < 3.0 * sigma && sigma < most_deg, "{witnesses:?}, moving {moving}: {off} at {sigma}");
             }
         }
     }
