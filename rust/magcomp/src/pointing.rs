@@ -8,7 +8,7 @@ use crate::attitude::{self, Attitude};
 use crate::config::{ReferenceAxis, ScreenRotation};
 use crate::heading::{self, Heading, true_heading_deg};
 use crate::level::{Level, Tilt};
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector3};
 
 /// How a device lies and how well that is known: what the heading of every axis is formed of, in every rotation of a screen.
 ///
@@ -30,56 +30,70 @@ pub struct Pointing {
     pub declination_deg: Option<f64>,
 }
 
-impl Pointing {
-    pub(crate) fn of(
-        level: &Level,
-        covariance_ut2: Option<&Matrix3<f64>>,
-        tilt: &Tilt,
+/// The level frame of one sample with what is known of it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct KnownLevel {
+    pub level: Level,
+    pub across_rad2: Option<f64>,
+    pub tilt: Tilt,
+}
+
+impl KnownLevel {
+    pub fn heading(
+        &self,
+        axis: ReferenceAxis,
+        rotation: ScreenRotation,
         declination_deg: Option<f64>,
-    ) -> Self {
-        Self {
-            to_world: attitude::of_level(level).to_world,
-            lean: level.vertical / level.horizontal,
-            across_rad2: covariance_ut2.map(|p| level.across_rad2(p)),
-            tilt_sigma_deg: tilt.sigma_deg,
-            common_rad2: tilt.common_rad2,
+    ) -> Option<Heading> {
+        let found = heading::of_level(&self.level, axis, rotation)?;
+        let sigma = |it| heading::sigma_of_level(&self.level, axis, rotation, it, &self.tilt);
+        Some(Heading {
+            heading_sigma_deg: self.across_rad2.and_then(sigma),
+            true_heading_deg: declination_deg.map(|it| true_heading_deg(found.heading_deg, it)),
+            ..found
+        })
+    }
+
+    pub fn sigma_deg(&self) -> Option<f64> {
+        attitude::sigma_of_level(&self.level, self.across_rad2?, &self.tilt)
+    }
+
+    /// What the heading of every axis is formed of, and the attitude.
+    pub fn pointing(&self, declination_deg: Option<f64>) -> Pointing {
+        Pointing {
+            to_world: attitude::of_level(&self.level).to_world,
+            lean: self.level.vertical / self.level.horizontal,
+            across_rad2: self.across_rad2,
+            tilt_sigma_deg: self.tilt.sigma_deg,
+            common_rad2: self.tilt.common_rad2,
             declination_deg,
         }
     }
+}
 
+impl Pointing {
     /// The heading of an axis; None where the axis is vertical. The inclination is not of the field where north comes from outside.
     #[must_use]
     pub fn heading(&self, axis: ReferenceAxis, rotation: ScreenRotation) -> Option<Heading> {
-        let (level, tilt) = (self.level(), self.tilt());
-        let found = heading::of_level(&level, axis, rotation)?;
-        Some(Heading {
-            heading_sigma_deg: self
-                .across_rad2
-                .and_then(|it| heading::sigma_of_level(&level, axis, rotation, it, &tilt)),
-            true_heading_deg: self.declination_deg.map(|it| true_heading_deg(found.heading_deg, it)),
-            ..found
-        })
+        self.known().heading(axis, rotation, self.declination_deg)
     }
 
     /// How the device lies, as the reading has it.
     #[must_use]
     pub fn attitude(&self) -> Attitude {
-        let sigma = |it| attitude::sigma_of_level(&self.level(), it, &self.tilt());
-        Attitude { to_world: self.to_world, sigma_deg: self.across_rad2.and_then(sigma) }
+        Attitude { to_world: self.to_world, sigma_deg: self.known().sigma_deg() }
     }
 
-    fn level(&self) -> Level {
+    fn known(&self) -> KnownLevel {
         let to_device = self.to_world.inverse();
-        Level {
+        let level = Level {
             east: to_device * Vector3::x(),
             north: to_device * Vector3::y(),
             up: to_device * Vector3::z(),
             horizontal: 1.0,
             vertical: self.lean,
-        }
-    }
-
-    fn tilt(&self) -> Tilt {
-        Tilt { sigma_deg: self.tilt_sigma_deg, common_rad2: self.common_rad2 }
+        };
+        let tilt = Tilt { sigma_deg: self.tilt_sigma_deg, common_rad2: self.common_rad2 };
+        KnownLevel { level, across_rad2: self.across_rad2, tilt }
     }
 }

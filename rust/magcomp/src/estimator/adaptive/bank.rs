@@ -5,7 +5,7 @@
 #[cfg(test)]
 mod tests;
 
-use super::filter::{Filter, Kind, Leap, Motion, Size};
+use super::filter::{Filter, HardIron, Kind, Leap, Size};
 use super::frame::{FRAMES, Frame, Frames, Noise};
 use super::parameters::{COUNT, Gaussian, LEAST_VARIANCE, NOTHING, Tau, TauMatrix, centre, shape, tau_of};
 use super::state::State;
@@ -205,30 +205,30 @@ impl Bank {
             base.log = log_device;
             self.begin(&parent, Kind::Former, of_device, base, frame);
         }
-        self.spawn_motions(place, &parent, frame, of_device, log_device + LN_2, tuning);
+        self.spawn_moving(place, &parent, frame, of_device, log_device + LN_2, tuning);
     }
 
     /// b that rests may drift or slide from here on, where that is not tried already. A slide is a change of its own.
     #[inline(never)]
-    fn spawn_motions(&mut self, place: usize, parent: &Parent, frame: &Frame, id: u32, log: f64, tuning: &Tuning) {
+    fn spawn_moving(&mut self, place: usize, parent: &Parent, frame: &Frame, id: u32, log: f64, tuning: &Tuning) {
         let best = &self.all[place];
         // where nothing is known, b cannot be seen to move
         let unknown = best.error > UNKNOWN_DEG.to_radians().powi(2);
-        if !tuning.moves || unknown || best.motion != Motion::Rests {
+        if !tuning.moves || unknown || best.hard_iron != HardIron::Rests {
             return;
         }
         let (number, unit_ut, likely) = (self.frames.next, self.unit_ut, best.log_joint());
         let is_tried =
-            |all: &[Filter], motion| all.iter().any(|it| it.motion == motion && it.log_joint() > likely - 9.0);
-        if !is_tried(&self.all, Motion::Drifts) {
-            let fork = best.fork(Motion::Drifts, number, log, tuning, unit_ut);
-            self.keep(|_, it| it.motion != Motion::Drifts);
+            |all: &[Filter], hard_iron| all.iter().any(|it| it.hard_iron == hard_iron && it.log_joint() > likely - 9.0);
+        if !is_tried(&self.all, HardIron::Drifts) {
+            let fork = best.fork(HardIron::Drifts, number, log, tuning, unit_ut);
+            self.keep(|_, it| it.hard_iron != HardIron::Drifts);
             self.all.push(fork);
         }
-        if !is_tried(&self.all, Motion::Slides) {
-            self.keep(|_, it| it.motion != Motion::Slides);
+        if !is_tried(&self.all, HardIron::Slides) {
+            self.keep(|_, it| it.hard_iron != HardIron::Slides);
             if let Some(child) = self.begin(parent, Kind::Device, id, parent.state.clone(), frame) {
-                *child = child.fork(Motion::Slides, number, log, tuning, unit_ut);
+                *child = child.fork(HardIron::Slides, number, log, tuning, unit_ut);
             }
         }
     }
@@ -344,7 +344,7 @@ impl Bank {
         let best = &mut self.all[place];
         best.estimate_error();
         if best.error < tuning.publish_deg.to_radians().powi(2)
-            && best.motion != Motion::Slides
+            && best.hard_iron != HardIron::Slides
             && let Some(former) = best.former.take()
         {
             self.former = Some(former);

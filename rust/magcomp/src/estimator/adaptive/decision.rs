@@ -1,7 +1,7 @@
 //! What is told of changes.
 
 use super::bank::Bank;
-use super::filter::{Filter, Kind, Motion};
+use super::filter::{Filter, HardIron, Kind};
 use super::parameters::{Tau, beyond_earth, centre};
 use super::tuning::Tuning;
 use crate::estimator::answer::{LEAST_TOLD_UT, Told};
@@ -47,7 +47,7 @@ impl Decision {
             self.id = best.id;
         }
         // until b rests, a magnet that slides on may as well be iron that the device is carried past
-        let slides = best.motion == Motion::Slides;
+        let slides = best.hard_iron == HardIron::Slides;
         if let Some(told) = self.moved.as_mut().filter(|it| slides && seconds(it.decided_ns, time_ns) < SETTLED_S) {
             // what was told goes on, whichever way
             (told.decided_ns, told.moved) = (time_ns, Vector3::zeros());

@@ -49,7 +49,7 @@ pub(super) enum Size {
 
 /// What b does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub(super) enum Motion {
+pub(super) enum HardIron {
     #[default]
     Rests,
     /// A battery charges.
@@ -58,7 +58,7 @@ pub(super) enum Motion {
     Slides,
 }
 
-impl Motion {
+impl HardIron {
     /// How fast b moves, where it does: units a second.
     pub fn rates(self, tuning: &Tuning, unit_ut: f64) -> Option<Process> {
         let rate_ut_s = match self {
@@ -90,7 +90,7 @@ pub(super) struct Filter {
     pub id: u32,
     pub parent: u32,
     pub size: Size,
-    pub motion: Motion,
+    pub hard_iron: HardIron,
     /// The change takes a while.
     pub takes_time: bool,
     pub onset_ns: i64,
@@ -126,11 +126,11 @@ impl Filter {
     }
 
     /// The same from this frame on, but b moves so.
-    pub fn fork(&self, motion: Motion, number: u64, log: f64, tuning: &Tuning, unit_ut: f64) -> Self {
+    pub fn fork(&self, hard_iron: HardIron, number: u64, log: f64, tuning: &Tuning, unit_ut: f64) -> Self {
         let mut base = self.now.clone();
-        (base.log, base.rate) = (log, motion.rates(tuning, unit_ut).map_or_else(Rate::default, Rate::new));
+        (base.log, base.rate) = (log, hard_iron.rates(tuning, unit_ut).map_or_else(Rate::default, Rate::new));
         Self {
-            motion,
+            hard_iron,
             now: base.clone(),
             fixed: base.fixed(),
             base,
@@ -143,7 +143,7 @@ impl Filter {
 
     /// By how much b has moved while a magnet slides on, units.
     pub fn slid(&self) -> Vector3<f64> {
-        let before = self.former.filter(|_| self.motion == Motion::Slides);
+        let before = self.former.filter(|_| self.hard_iron == HardIron::Slides);
         before.map_or_else(Vector3::zeros, |before| centre(&self.now.tau()) - centre(&before.mean))
     }
 
@@ -156,7 +156,7 @@ impl Filter {
         let after = |seconds: f64| self.onset_ns.saturating_add((seconds * 1e9) as i64);
         Way {
             walk: tuning.walk_ut / unit_ut,
-            rates: self.motion.rates(tuning, unit_ut),
+            rates: self.hard_iron.rates(tuning, unit_ut),
             rough_until_ns: if self.kind == Kind::Place { after(tuning.change_s) } else { i64::MIN },
             done_ns: if self.takes_time { after(tuning.ramp_s) } else { i64::MIN },
         }
@@ -177,7 +177,7 @@ impl Filter {
             self.leap_to(frame, &leap, unit_ut);
         }
         self.now.step(&self.lin, frame, way, tuning);
-        if self.motion == Motion::Rests {
+        if self.hard_iron == HardIron::Rests {
             self.fixed.step(&self.lin, frame, way, tuning);
         }
     }
@@ -251,7 +251,7 @@ impl Filter {
     /// Runs again from its beginning about where it has come to, as far as that explains the frames better. Returns the frames.
     pub fn run(&mut self, frames: &Frames, tuning: &Tuning, unit_ut: f64) -> u64 {
         // no one point belongs to all frames of a b that moves: it goes on about where it is now
-        if self.motion != Motion::Rests {
+        if self.hard_iron != HardIron::Rests {
             self.base = self.now.clone();
             (self.first, self.lin) = (frames.next, self.now.tau());
             return 1;
@@ -313,7 +313,7 @@ impl Filter {
     /// grid that doubles with their age.
     pub fn makes_needless(&self, other: &Self, latest: u64) -> bool {
         let is_twin = || (self.now.tau() - other.now.tau()).norm() < NEAR;
-        let means = |it: &Self| (it.motion, it.leap.is_some());
+        let means = |it: &Self| (it.hard_iron, it.leap.is_some());
         if means(self) != means(other) {
             return false;
         }

@@ -284,6 +284,31 @@ fn each_rule_is_seen_to_work_on_the_stream_that_is_made_for_it() {
     }
 }
 
+/// While b slides, it may be the place's field that is elsewhere: by what b has moved, the field is less sure.
+#[test]
+fn what_slides_counts_in_the_covariance_of_the_field() {
+    let mut world = World::new(Tuning::USED, 2);
+    world.run(10.0);
+    let sd_ut = |world: &World| {
+        let (u, answer) = (world.raw_ut / world.adaptive.unit_ut, |u| world.adaptive.answer(u));
+        (answer(&u).field_covariance_ut2.expect("it is known").trace() / 3.0).sqrt()
+    };
+    let rests_ut = sd_ut(&world);
+    world.drift_ut_s = Vector3::new(15.0, -10.0, 10.0);
+    let slid_ut =
+        |world: &World| world.adaptive.bank.best().map_or(0.0, |it| it.slid().norm() * world.adaptive.unit_ut);
+    let most = (0..30)
+        .map(|_| {
+            world.run(0.1);
+            (slid_ut(&world), sd_ut(&world))
+        })
+        .fold((0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a });
+    assert!(most.0 > 20.0 && most.1 > 0.5 * most.0 && rests_ut < 3.0, "{most:?}, {rests_ut} at rest");
+    world.drift_ut_s *= 0.0;
+    world.run(8.0);
+    assert!(slid_ut(&world) == 0.0 && sd_ut(&world) < 3.0, "{} {}", slid_ut(&world), sd_ut(&world));
+}
+
 /// Combinations of rules, none of which may break another: by turns, and every second one.
 #[test]
 fn any_combination_of_rules_gives_finite_answers() {

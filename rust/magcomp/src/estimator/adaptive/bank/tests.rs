@@ -26,7 +26,7 @@ fn a_surprise_brings_changes_of_every_kind() {
         bank.former = Some(former);
         bank.all.truncate(1);
         bank.spawn(0, &frame, surprised, 0.1, &Tuning::USED);
-        let of = |kind: Kind| bank.all.iter().filter(move |it| it.kind == kind && it.motion == Motion::Rests);
+        let of = |kind: Kind| bank.all.iter().filter(move |it| it.kind == kind && it.hard_iron == HardIron::Rests);
         assert_eq!((of(Kind::Device).count(), of(Kind::Place).count()), (devices, 2));
         assert_eq!(of(Kind::Device).filter(|it| it.takes_time).count(), devices / 2 * formers);
         assert_eq!(of(Kind::Former).count(), formers);
@@ -41,40 +41,62 @@ fn a_surprise_brings_changes_of_every_kind() {
 #[test]
 fn b_that_rests_may_move() {
     let frame = Frame { u: Vector3::new(0.4, -1.2, 0.3), time_ns: 7, ..Frame::default() };
-    let spawned = |motion: Motion, tried: Option<(Motion, f64)>| {
+    let spawned = |hard_iron: HardIron, tried: Option<(HardIron, f64)>| {
         let mut bank = Bank::new(45.0);
         bank.begin_cold(&frame, 0.0, false, &Tuning::USED);
         bank.all.truncate(1);
-        (bank.all[0].motion, bank.all[0].error) = (motion, 0.99 * UNKNOWN_DEG.to_radians().powi(2));
+        (bank.all[0].hard_iron, bank.all[0].error) = (hard_iron, 0.99 * UNKNOWN_DEG.to_radians().powi(2));
         let id = bank.all[0].id;
-        if let Some((motion, behind)) = tried {
+        if let Some((hard_iron, behind)) = tried {
             let mut other = bank.all[0].clone();
-            (other.motion, other.id, other.now.log) = (motion, 99, other.now.log - behind);
+            (other.hard_iron, other.id, other.now.log) = (hard_iron, 99, other.now.log - behind);
             bank.all.push(other);
         }
         bank.spawn(0, &frame, false, 0.1, &Tuning::USED);
-        let of = |motion: Motion| bank.all.iter().filter(move |it| it.motion == motion);
-        let ids = |motion: Motion| of(motion).map(|it| it.id).collect::<Vec<_>>();
-        if motion == Motion::Rests {
-            assert!(of(Motion::Slides).filter(|it| it.id != 99).all(|it| it.kind == Kind::Device && it.onset_ns == 7));
-            assert!(of(Motion::Drifts).all(|it| it.kind == Kind::Cold));
+        let of = |hard_iron: HardIron| bank.all.iter().filter(move |it| it.hard_iron == hard_iron);
+        let ids = |hard_iron: HardIron| of(hard_iron).map(|it| it.id).collect::<Vec<_>>();
+        if hard_iron == HardIron::Rests {
+            assert!(
+                of(HardIron::Slides).filter(|it| it.id != 99).all(|it| it.kind == Kind::Device && it.onset_ns == 7)
+            );
+            assert!(of(HardIron::Drifts).all(|it| it.kind == Kind::Cold));
         }
-        (id, ids(Motion::Drifts), ids(Motion::Slides))
+        (id, ids(HardIron::Drifts), ids(HardIron::Slides))
     };
-    let (id, drifts, slides) = spawned(Motion::Rests, None);
+    let (id, drifts, slides) = spawned(HardIron::Rests, None);
     assert_eq!((drifts, slides.len()), (vec![id], 1));
     assert!(slides[0] > id);
-    assert_eq!(spawned(Motion::Rests, Some((Motion::Slides, 8.9))).2, [99]);
-    assert!(spawned(Motion::Rests, Some((Motion::Slides, 9.1))).2[0] != 99);
+    assert_eq!(spawned(HardIron::Rests, Some((HardIron::Slides, 8.9))).2, [99]);
+    assert!(spawned(HardIron::Rests, Some((HardIron::Slides, 9.1))).2[0] != 99);
     // a cold start of which nothing is known
     let mut bank = Bank::new(45.0);
     bank.begin_cold(&frame, 0.0, false, &Tuning::USED);
     bank.all[0].error = 1.01 * UNKNOWN_DEG.to_radians().powi(2);
     bank.spawn(0, &frame, true, 0.1, &Tuning::USED);
-    assert!(bank.all.iter().all(|it| it.motion == Motion::Rests));
-    for (motion, slides) in [(Motion::Drifts, 0), (Motion::Slides, 1)] {
-        assert_eq!(spawned(motion, None).2.len(), slides, "{motion:?}");
+    assert!(bank.all.iter().all(|it| it.hard_iron == HardIron::Rests));
+    for (hard_iron, slides) in [(HardIron::Drifts, 0), (HardIron::Slides, 1)] {
+        assert_eq!(spawned(hard_iron, None).2.len(), slides, "{hard_iron:?}");
     }
+}
+
+/// What a change replaced is kept to come back to, as soon as what came after it may be published, and not while b still slides.
+#[test]
+fn the_former_calibration_is_kept_once_the_one_after_it_is_of_use() {
+    let frame = Frame { u: Vector3::new(0.4, -1.2, 0.3), ..Frame::default() };
+    let kept = |variance: f64, hard_iron: HardIron| {
+        let known = Gaussian {
+            mean: tau_of(&Matrix3::identity(), &Vector3::zeros()),
+            covariance: TauMatrix::from_diagonal_element(variance),
+        };
+        let mut bank = Bank::new(45.0);
+        bank.begin_given(&frame, &known);
+        (bank.all[0].former, bank.all[0].hard_iron) = (Some(cold(&frame.u, &Tuning::USED)), hard_iron);
+        bank.prune(&Tuning::USED);
+        (bank.former.is_some(), bank.best().map(|it| it.error.sqrt().to_degrees()))
+    };
+    assert!(matches!(kept(0.006, HardIron::Rests), (true, Some(8.0..10.0))), "{:?}", kept(0.006, HardIron::Rests));
+    assert!(matches!(kept(0.01, HardIron::Rests), (false, Some(10.0..12.0))), "{:?}", kept(0.01, HardIron::Rests));
+    assert!(!kept(0.006, HardIron::Slides).0);
 }
 
 /// Of two numbers that say three quarters and a quarter, by hand.

@@ -151,26 +151,26 @@ fn what_follows_a_change_within_two_seconds_is_the_same_change() {
 #[test]
 fn a_slide_is_told_once_and_not_before_it_rests() {
     let onset_ns = NOW_NS - s(20.0);
-    let at = |motion: Motion, id: u32, onset_ns: i64, b_ut: f64| {
+    let at = |hard_iron: HardIron, id: u32, onset_ns: i64, b_ut: f64| {
         let mut it = turned(hypothesis(Kind::Device, id, onset_ns, b_ut, 9.0), 1.0);
-        it.motion = motion;
+        it.hard_iron = hard_iron;
         bank([it])
     };
     let review = |mut decision: Decision, bank: &Bank, ago_s: f64| {
         decision.review(bank, NOW_NS - s(ago_s), UNIT_UT, &Tuning::USED);
         decision
     };
-    let sliding = review(settled(), &at(Motion::Slides, 2, onset_ns, 60.0), 10.0);
+    let sliding = review(settled(), &at(HardIron::Slides, 2, onset_ns, 60.0), 10.0);
     assert_eq!((sliding.id, sliding.event, sliding.suspected_ns), (1, None, Some(onset_ns)));
-    let rested = review(sliding, &at(Motion::Rests, 2, onset_ns, 60.0), 9.0);
+    let rested = review(sliding, &at(HardIron::Rests, 2, onset_ns, 60.0), 9.0);
     let told = Event { kind: EventKind::DeviceStep, since_ns: onset_ns, decided_ns: NOW_NS - s(9.0) };
     assert_eq!((rested.id, rested.event), (2, Some(told)));
     // a change the other way, five seconds after it was told, or after a magnet slid on
     for (slid_ago_s, is_told) in [(None, true), (Some(4.1), false), (Some(3.9), true)] {
         let slid =
-            slid_ago_s.map_or(rested, |ago_s| review(rested, &at(Motion::Slides, 3, NOW_NS - s(8.0), 70.0), ago_s));
+            slid_ago_s.map_or(rested, |ago_s| review(rested, &at(HardIron::Slides, 3, NOW_NS - s(8.0), 70.0), ago_s));
         let next_ns = NOW_NS - s(3.5);
-        let back = review(slid, &at(Motion::Rests, 4, next_ns, 20.0), 0.0);
+        let back = review(slid, &at(HardIron::Rests, 4, next_ns, 20.0), 0.0);
         assert_eq!(back.event.unwrap().since_ns, if is_told { next_ns } else { onset_ns }, "{slid_ago_s:?}");
     }
 }

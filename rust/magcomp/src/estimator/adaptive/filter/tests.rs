@@ -96,22 +96,22 @@ fn a_slide_may_be_a_place_until_b_rests() {
     let mut filter = Filter::new(Kind::Device, State::new(&known(), 0.0, 0.0), known().mean, 0, ONSET_NS);
     filter.former = Some(known());
     filter.now.x[7] += 0.5;
-    for (motion, by) in [(Motion::Rests, 0.0), (Motion::Drifts, 0.0), (Motion::Slides, 0.5)] {
-        filter.motion = motion;
-        assert!((filter.slid() - Vector3::new(0.0, by, 0.0)).norm() < 1e-12, "{motion:?}");
+    for (hard_iron, by) in [(HardIron::Rests, 0.0), (HardIron::Drifts, 0.0), (HardIron::Slides, 0.5)] {
+        filter.hard_iron = hard_iron;
+        assert!((filter.slid() - Vector3::new(0.0, by, 0.0)).norm() < 1e-12, "{hard_iron:?}");
     }
 }
 
 /// The field's end circles a b that moves along x; no point in the past fits it.
 #[test]
 fn a_hypothesis_whose_b_moves_goes_on_about_where_it_is() {
-    let rates = Motion::Drifts.rates(&Tuning::USED, UNIT_UT).unwrap();
+    let rates = HardIron::Drifts.rates(&Tuning::USED, UNIT_UT).unwrap();
     let rests = Filter::new(Kind::Device, State::new(&known(), 0.0, 0.0), known().mean, 0, ONSET_NS);
-    let fork = |it: &Filter, motion| it.fork(motion, 0, -7.0, &Tuning::USED, UNIT_UT);
-    let mut moves = fork(&rests, Motion::Drifts);
+    let fork = |it: &Filter, hard_iron| it.fork(hard_iron, 0, -7.0, &Tuning::USED, UNIT_UT);
+    let mut moves = fork(&rests, HardIron::Drifts);
     assert_eq!(
-        (moves.motion, fork(&moves, Motion::Rests).motion, moves.log_joint()),
-        (Motion::Drifts, Motion::Rests, -7.0)
+        (moves.hard_iron, fork(&moves, HardIron::Rests).hard_iron, moves.log_joint()),
+        (HardIron::Drifts, HardIron::Rests, -7.0)
     );
     assert_eq!(moves.now.rate, Rate::new(rates));
     assert_eq!(rests.now.rate, Rate::default());
@@ -157,7 +157,7 @@ fn onsets_are_kept_on_a_grid_that_doubles_with_their_age() {
         |it| it.kind = Kind::Place,
         |it| it.size = Size::Usual,
         |it| it.parent = 5,
-        |it| it.motion = Motion::Drifts,
+        |it| it.hard_iron = HardIron::Drifts,
         |it| it.kind = Kind::Cold,
     ];
     for change in others {
