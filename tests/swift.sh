@@ -125,5 +125,6 @@ case "${1:-}" in
         as_for_ios
         ;;
     benchmark) swift_run run -c release "${options[@]}" Benchmark "$target/swift/recording.csv" ;;
+    test) swift_run test "${options[@]}" --no-parallel "${@:2}" ;;
     *) swift_run "$1" "${options[@]}" "${@:2}" ;;
 esac
