@@ -103,6 +103,20 @@ impl Known {
 }
 
 impl Answer {
+    /// The same in other axes.
+    pub fn turn(&mut self, by: &Matrix3<f64>) {
+        for vector in [&mut self.field_ut, &mut self.filtered_field_ut, &mut self.up].into_iter().flatten() {
+            *vector = by * *vector;
+        }
+        for covariance in [&mut self.field_covariance_ut2, &mut self.filtered_covariance_ut2].into_iter().flatten() {
+            *covariance = by * *covariance * by.transpose();
+        }
+        if let Some(carry) = &mut self.carry {
+            carry.turn = by * carry.turn * by.transpose();
+            carry.up = carry.up.map(|up| by * up);
+        }
+    }
+
     /// Of an estimator that has no gyroscope: `up` is the accelerometer's.
     pub fn without_gyroscope(self, up: Option<Vector3<f64>>) -> Self {
         let mode = if up.is_some() { SensorMode::GravityOnly } else { SensorMode::MagnetometerOnly };

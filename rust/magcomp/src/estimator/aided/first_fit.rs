@@ -16,7 +16,8 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use super::batch::{Matrix, Normal, Prior, UNKNOWNS, Vector, fit, model, parts};
 use super::groups::Groups;
 use super::state::{
-    AXES, BIAS, CALIBRATION, DELAY, FIELD, Filter, HARD_IRON, HARD_IRON_ALONE, LOCAL, Parts, SOFT_IRON, SOFT_IRON_ALONE,
+    AXES, BIAS, CALIBRATION, DELAY, FIELD, Filter, HARD_IRON, HARD_IRON_ALONE, LOCAL, Parts, SKEW, SOFT_IRON,
+    SOFT_IRON_ALONE,
 };
 use super::step::{Known, Step};
 use super::tuning::Tuning;
@@ -224,8 +225,7 @@ impl FirstFit {
         BIAS.block_mut(&mut precision).fill_diagonal(1.0 / self.bias_variance);
         let delay = if tuning.delay { 1.0 / DELAY_SD_S.powi(2) } else { 1.0 / DELAY.least_variance() };
         DELAY.block_mut(&mut precision).fill_diagonal(delay);
-        let axes = if tuning.gyroscope_axes { 1.0 / tuning.axes_sd.powi(2) } else { 1.0 / AXES.least_variance() };
-        AXES.block_mut(&mut precision).fill_diagonal(axes);
+        AXES.block_mut(&mut precision).copy_from(&axes_precision(tuning));
         if let Some((given, known)) = given.and_then(|given| Some((given, given.precision()?))) {
             CALIBRATION.set(&mut mean, &given.calibration.mean);
             CALIBRATION.block_mut(&mut precision).copy_from(&known);
@@ -296,6 +296,22 @@ impl FirstFit {
 #[inline(never)]
 fn inverse_of_sum(a: &Matrix, b: &Matrix) -> Option<Matrix> {
     Some((a + b).cholesky()?.inverse())
+}
+
+/// Precision of S before anything is known: each number has an error of its own, and both of a pair that is skew the misalignment's.
+fn axes_precision(tuning: &Tuning) -> SMatrix<f64, 9, 9> {
+    if !tuning.gyroscope_axes {
+        return SMatrix::from_diagonal_element(1.0 / AXES.least_variance());
+    }
+    let (own, turn) = (tuning.axes_sd.powi(2), tuning.misalignment_sd_rad.powi(2));
+    let mut precision = SMatrix::from_diagonal_element(1.0 / own);
+    for (a, b) in SKEW {
+        precision[(a, a)] -= turn / (own * (own + 2.0 * turn));
+        precision[(b, b)] = precision[(a, a)];
+        precision[(a, b)] = turn / (own * (own + 2.0 * turn));
+        precision[(b, a)] = precision[(a, b)];
+    }
+    precision
 }
 
 /// Whether what the samples tell of (e, g, tau, s), and of a b that was given, is likely beforehand: chi-squared within two

@@ -48,6 +48,7 @@ use crate::explanation::{InnovationTest, SampleUse};
 use crate::math::elementary::hypot;
 use crate::math::gaussian::Gaussian;
 use crate::math::symmetric::six;
+use crate::math::turn::Turn;
 use crate::reading::{SensorMode, Status};
 use crate::sensing::frame::Frame;
 use crate::sensing::pairing::{PairedInertial, Rotation};
@@ -150,6 +151,11 @@ impl Aided {
         }
     }
 
+    /// The turn from the magnetometer's axes to those of the device, 0 while nothing is known, rad.
+    fn misalignment(&self) -> Vector3<f64> {
+        self.phase.known().map_or_else(Vector3::zeros, |filter| filter.parts().misalignment())
+    }
+
     /// Covariance of the calibration, order b_x b_y b_z m_xx m_yy m_zz m_xy m_xz m_yz (uT and dimensionless).
     pub fn covariance(&self) -> Option<SMatrix<f64, 9, 9>> {
         let filter = self.phase.known()?;
@@ -202,7 +208,9 @@ impl Aided {
     /// A sample, or only its time where it is blank.
     fn add(&mut self, time_ns: i64, raw_ut: Vector3<f64>, paired: &PairedInertial, is_blank: bool) -> (Status, Answer) {
         let dt_s = self.senses.next(time_ns);
-        let up = paired.up_m_s2;
+        // the accelerometer has the gyroscope's axes
+        let to_device = Turn::by(&self.misalignment()).rotation;
+        let up = paired.up_m_s2.map(|up| to_device.tr_mul(&up));
         let (status, mut answer) = if let (Some(rotation), Some(dt_s)) = (&paired.rotation, dt_s) {
             let (taken, noise) = (Taken { time_ns, dt_s, raw_ut, is_blank }, self.process_noise(rotation));
             let step = self.senses.step(&taken, rotation, up, &self.phase, noise, &self.tuning);
@@ -233,6 +241,7 @@ impl Aided {
             (status, answer.without_gyroscope(up))
         };
         (answer.up, answer.event) = (self.senses.motion.up, self.changes.event);
+        answer.turn(&to_device);
         (status, answer)
     }
 }

@@ -1,13 +1,13 @@
 //! The state and its covariance: x = [m, b, e, g, tau, S, d], 28 numbers, P symmetric.
 //!
 //! ```text
-//! m    field of the place in the device frame at the gyroscope's time, uT
+//! m    field of the place in the magnetometer's axes at the gyroscope's time, uT
 //! b    hard iron, uT
 //! e    soft iron M = I + E, e = (E_xx, E_yy, E_zz, E_xy, E_xz, E_yz), trace E = 0
 //! g    gyroscope bias, rad/s
 //! tau  how late the magnetometer is against the gyroscope, s
-//! S    by columns: scale and axes of the gyroscope against the magnetometer's, true rate = (I - S) reading - g
-//! d    local deviation of the field (rooms are not uniform), device frame, uT
+//! S    by columns: scale and axes of the gyroscope against the magnetometer's, true rate = (I - S) reading - g; its skew part is the turn between both
+//! d    local deviation of the field (rooms are not uniform), as m, uT
 //! ```
 //!
 //! raw = M h + b leaves the scale between M and |h| free, so E is held traceless. P is made by a start (`first_fit`). It changes in `propagate`, in `measure`, in
@@ -57,6 +57,9 @@ pub(crate) type Filter = Gaussian<STATES>;
 /// Index of E_ij in e.
 pub(crate) const ELEMENT: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
 
+/// Numbers of S, by columns, whose halved difference is its skew part about x, y and z.
+pub(super) const SKEW: [(usize, usize); 3] = [(5, 7), (6, 2), (1, 3)];
+
 /// Mathematics: share of the soft iron's variance that is left to its trace: none would make P singular, much would untie the gauge.
 const TRACE_SHARE: f64 = 1e-6;
 
@@ -73,6 +76,12 @@ impl Filter {
         let Range { start: low_ut, end: high_ut } = *range_ut;
         let is_impossible = field_ut + doubt_ut < low_ut || field_ut - doubt_ut > high_ut;
         is_impossible.then_some(FitError::FieldOutOfRange { field_ut, low_ut, high_ut })
+    }
+
+    /// Covariance of the misalignment, rad^2.
+    pub(super) fn misalignment_rad2(&self) -> Matrix3<f64> {
+        let p = self.own(AXES);
+        Matrix3::from(SKEW.map(|(a, b)| SKEW.map(|(c, d)| 0.25 * (p[(a, c)] - p[(a, d)] - p[(b, c)] + p[(b, d)]))))
     }
 
     /// Adds variance to the soft iron by the traceless pattern T.
@@ -146,6 +155,11 @@ impl Parts {
     /// How the device turned in `dt_s` in which the gyroscope's readings add up to `increment`: (I - S) increment - g dt.
     pub(crate) fn turned(&self, increment: &Vector3<f64>, dt_s: f64) -> Vector3<f64> {
         increment - self.axes * increment - self.bias * dt_s
+    }
+
+    /// The skew part of S: the turn from the magnetometer's axes, which m, b, e and d have, to those of the device, rad.
+    pub(crate) fn misalignment(&self) -> Vector3<f64> {
+        Vector3::from(SKEW.map(|(a, b)| 0.5 * (self.axes[a] - self.axes[b])))
     }
 
     /// The device's rate for a gyroscope's reading.

@@ -65,16 +65,17 @@ pub(crate) struct Known {
     pub(crate) x: Parts,
     /// Standard deviation of the bias about the worst axis, rad/s.
     pub(crate) bias_sd_rad_s: f64,
-    /// Standard deviation of an element of S.
+    /// Standard deviation of the scale of an axis: a misalignment turns `up` and the field alike.
     pub(crate) axes_sd: f64,
 }
 
 impl Known {
     pub(crate) fn of(filter: &Filter) -> Self {
+        let axes = filter.variances(AXES);
         Self {
             x: filter.parts(),
             bias_sd_rad_s: filter.variances(BIAS).max().sqrt(),
-            axes_sd: (filter.variances(AXES).sum() / 9.0).sqrt(),
+            axes_sd: ((axes[0] + axes[4] + axes[8]) / 3.0).sqrt(),
         }
     }
 }

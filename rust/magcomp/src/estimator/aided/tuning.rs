@@ -18,6 +18,8 @@ choices! {
         bias_sd_rad_s: 0.05, "rad/s", "phones were found with up to 0.095";
         /// Scale error of a gyroscope's axis, and how far it is off, before anything is known
         axes_sd: 0.01, "", "data sheets: 1 to 2 % of scale and across axes";
+        /// How far the magnetometer is turned against gyroscope and accelerometer about each axis, before anything is known
+        misalignment_sd_rad: 0.02, "rad", "three phones with motion capture have 1.0 deg (root mean square), a laboratory sensor 0.7";
         /// Random walk of the hard iron, at rest and in motion
         offset_walk_ut: 0.08, "uT/s^0.5", "0.6 uT in a minute; families";
         /// A gap between samples that is longer lets the hard iron drift, and breaks off the first fit
