@@ -2,9 +2,9 @@
 //!
 //! ```text
 //! c = exp(-[(tau + age) w]x) W (raw - b),  W = M^-1,   f = m          at the gyroscope's time
-//! P_c = W [I D(h)] P_(b,e) [I D(h)]^T W^T + sigma^2 W W^T + (L^2 + F^2) I + timing      (+ |v|^2/3 I while undecided)
-//! P_f = rho P_mm + G^2 I + [f]x P_kk [f]x^T + timing + w s^2 I + w (1 - w) (h - m)(h - m)^T
-//! timing = P_tau (w x h)(w x h)^T
+//! P_c = W [I D(h)] P_(b,e) [I D(h)]^T W^T + sigma^2 W W^T + (L^2 + F^2) I + A P_kk A^T + timing      (+ |v|^2/3 I while undecided)
+//! P_f = rho P_mm + G^2 I + A P_kk A^T + A P_km + P_mk A^T + timing + w s^2 I + w (1 - w) (h - m)(h - m)^T
+//! timing = P_tau (w x h)(w x h)^T,   A = -[f]x
 //! ```
 //! k: the misalignment, by which c, f and their covariances are turned to the device's axes in the end (`add`). L, F, rho and G: `adapt`. w, h and s belong to a new place (`earth`); elsewhere f is m; age is how long the sample has waited for the gyroscope.
 
@@ -63,12 +63,15 @@ impl Aided {
         }
         let p_c =
             calibration_covariance(&filter.own(CALIBRATION), w, f) + noise + Matrix3::identity() * unseen + timing;
-        let across = f.cross_matrix();
-        let misaligned = across * filter.misalignment_rad2() * across.transpose();
+        // an error k of the misalignment turns c and f by k x f
+        let (turned, with_field) = filter.misalignment_covariance();
+        let across = -f.cross_matrix();
+        let misaligned = across * turned * across.transpose();
+        let with_field = across * with_field;
         // f is a long average: what the place does beyond the model widens P_mm by as much as its density is larger
         let known = filter.own(FIELD) * self.adaptation.factor(&step.noise, step.dt_s, &self.tuning);
         let followed = Matrix3::identity() * self.adaptation.unaveraged_ut2(&self.tuning);
-        [p_c, known + elsewhere + followed + misaligned + timing]
+        [p_c + misaligned, known + elsewhere + followed + misaligned + with_field + with_field.transpose() + timing]
     }
 
     /// What is published without a usable rotation: the sample, corrected by the calibration that is kept.

@@ -78,10 +78,17 @@ impl Filter {
         is_impossible.then_some(FitError::FieldOutOfRange { field_ut, low_ut, high_ut })
     }
 
-    /// Covariance of the misalignment, rad^2.
-    pub(super) fn misalignment_rad2(&self) -> Matrix3<f64> {
-        let p = self.own(AXES);
-        Matrix3::from(SKEW.map(|(a, b)| SKEW.map(|(c, d)| 0.25 * (p[(a, c)] - p[(a, d)] - p[(b, c)] + p[(b, d)]))))
+    /// Covariance of the misalignment, rad^2, and of the misalignment with m, uT rad.
+    pub(super) fn misalignment_covariance(&self) -> (Matrix3<f64>, Matrix3<f64>) {
+        let with = |k: usize| SKEW.map(|(a, b)| 0.5 * (self.axes_with(a, k) - self.axes_with(b, k)));
+        let of_axes = SKEW.map(|(a, b)| [a, b].map(|k| Vector3::from(with(AXES.start() + k))));
+        let own = Matrix3::from_columns(&of_axes.map(|[a, b]| (a - b) * 0.5));
+        (own, Matrix3::from([0, 1, 2].map(|k| with(FIELD.start() + k))))
+    }
+
+    /// Covariance of a number of S, by columns, with a state.
+    fn axes_with(&self, k: usize, state: usize) -> f64 {
+        self.covariance[(AXES.start() + k, state)]
     }
 
     /// Adds variance to the soft iron by the traceless pattern T.

@@ -3,9 +3,11 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::super::Aided;
+use super::super::state::SKEW;
 use super::super::tuning::Tuning;
 use super::simulator::World;
 use crate::estimator::answer::Answer;
+use crate::math::turn::Turn;
 
 /// Squared error of f's direction and the variance told for it, rad^2.
 fn direction(output: &Answer, field_ut: &Vector3<f64>) -> Option<(f64, f64)> {
@@ -28,8 +30,11 @@ fn judge(change: impl Fn(&mut World), each: impl Fn(&mut World)) -> [f64; 3] {
             each(&mut world);
             let sample = world.sample(0.01);
             let (_, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
-            if let (true, Some((error, told))) = (k > 2_000, direction(&output, &(world.attitude.inverse() * earth_ut)))
-            {
+            // the device's axes are the gyroscope's
+            let axes = &world.gyro_axes;
+            let skew = Vector3::from(SKEW.map(|(a, b)| 0.5 * (axes[a] - axes[b])));
+            let truth_ut = Turn::by(&skew).rotation * (world.attitude.inverse() * earth_ut);
+            if let (true, Some((error, told))) = (k > 2_000, direction(&output, &truth_ut)) {
                 square += error;
                 variance += told;
                 within += usize::from(error < 4.0 * 0.5 * told);
@@ -47,11 +52,44 @@ fn axes_of_the_gyroscope_that_are_off_are_learned() {
         world.gyro_axes += off * f64::to_radians(1.0);
     };
     let [rms_deg, ratio, within] = judge(skew, |_| ());
-    // sigma allows for frames of magnetometer and accelerometer that differ; here they do not
     assert!(
         rms_deg < 0.3 && (1.0..10.0).contains(&ratio) && within > 0.95,
         "{rms_deg:.2} deg, {ratio:.1}, {within:.3}"
     );
+}
+
+/// The magnetometer sits askew in the device: field and vertical are told in the axes that gyroscope and accelerometer have, as surely as they are known.
+#[test]
+fn a_magnetometer_that_sits_askew_is_told_by_the_motion() {
+    for (seed, askew_deg) in [(320, 1.0), (321, -3.0), (322, 12.0), (323, -12.0)] {
+        let mut world = World::new(seed);
+        let to_device = Turn::by(&(Vector3::new(0.3, 0.4, 0.866) * f64::to_radians(askew_deg))).rotation;
+        world.gyro_axes = to_device;
+        let mut aided = Aided::new(Tuning::default(), None);
+        let (mut worst_deg, mut worst_z) = ([0.0_f64; 2], 0.0_f64);
+        for k in 0..4_000 {
+            let mut sample = world.sample(0.01);
+            sample.inertial.up_m_s2 = sample.inertial.up_m_s2.map(|up| to_device * up);
+            let (_, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+            if k < 2_000 {
+                continue;
+            }
+            let truth = |of_world: Vector3<f64>| to_device * (world.attitude.inverse() * of_world);
+            let off_deg = [
+                output.filtered_field_ut.unwrap().angle(&truth(world.field_ut)).to_degrees(),
+                output.up.unwrap().angle(&truth(Vector3::z())).to_degrees(),
+            ];
+            worst_deg = [0, 1].map(|i| worst_deg[i].max(off_deg[i]));
+            let (error, told) = direction(&output, &truth(world.field_ut)).unwrap();
+            worst_z = worst_z.max((2.0 * error / told).sqrt());
+            let carry = output.carry.unwrap();
+            assert!((carry.up.unwrap() - output.up.unwrap()).norm() < 1e-12);
+        }
+        assert!(
+            worst_deg[0] < 1.0 && worst_deg[1] < 1.5 && worst_z < 3.5,
+            "{askew_deg}: {worst_deg:.2?} deg, {worst_z:.1} sigmas"
+        );
+    }
 }
 
 #[test]
