@@ -83,6 +83,8 @@ final class Readers: Sendable {
                 }
             }
             let reader = Reader(run: state.run, capacity: capacity, rateHz: rateHz)
+            // a screen begins with what is known
+            if rateHz != nil, let latest = state.latest { _ = reader.take([latest], waits: false) }
             state.number += 1
             state.readers[state.number] = reader
             return (state.number, reader)
@@ -146,7 +148,8 @@ final class Readers: Sendable {
                 if !answers.isEmpty {
                     // sensors do not wait for a store, so neither do their readings
                     await estimation.settledIfTold()
-                    for reader in readers(of: run, latest: answers[answers.count - 1]) { await fill(reader, answers) }
+                    let readers = state.change { Self.readers(of: run, latest: answers[answers.count - 1], &$0) }
+                    for reader in readers { await fill(reader, answers) }
                     answers.removeAll(keepingCapacity: true)
                 }
                 try pushed.get()
@@ -159,8 +162,11 @@ final class Readers: Sendable {
     private func hear(_ events: [SensorSample], _ answers: inout [CompensatedReading], of run: Int) throws {
         let pushed = Result { try estimation.push(events, isLive: true, &answers) }
         if !answers.isEmpty {
-            for reader in readers(of: run, latest: answers[answers.count - 1]) {
-                _ = reader.take(answers[...], waits: false)
+            // inside the lock, so that silence is never told after what ends it
+            state.change { state in
+                for reader in Self.readers(of: run, latest: answers[answers.count - 1], &state) {
+                    _ = reader.take(answers[...], waits: false)
+                }
             }
             answers.removeAll(keepingCapacity: true)
         }
@@ -168,11 +174,10 @@ final class Readers: Sendable {
     }
 
     /// Who gets the run's readings, the newest of which is noted.
-    private func readers(of run: Int, latest: CompensatedReading) -> [Reader] {
-        state.change { state in
-            if state.run == run, state.running { (state.latest, state.heard) = (latest, state.heard &+ 1) }
-            return state.run == run ? state.ofRun : []
-        }
+    private static func readers(of run: Int, latest: CompensatedReading, _ state: inout State) -> [Reader] {
+        guard state.run == run, state.running else { return [] }
+        (state.latest, state.heard) = (latest, state.heard &+ 1)
+        return state.ofRun
     }
 
     /// Tells once when a live source has delivered no sample for too long, from the run's beginning on.
@@ -185,12 +190,11 @@ final class Readers: Sendable {
             guard quiet == Self.looks else { continue }
             let silent = estimation.silent(after: latest)
             // one more sample may have come meanwhile: then nobody is silent
-            let readers = state.change { state -> [Reader] in
-                guard state.run == run, state.running, state.heard == heard else { return [] }
+            state.change { state in
+                guard state.run == run, state.running, state.heard == heard else { return }
                 state.latest = silent
-                return state.ofRun
+                for reader in state.ofRun { _ = reader.take([silent], waits: false) }
             }
-            for reader in readers { _ = reader.take([silent], waits: false) }
         }
     }
 
