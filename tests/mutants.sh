@@ -60,7 +60,7 @@ of_swift() { # [WORD]
     export -f swift_tool
     export swift_on_path swift_root target
     python3 tests/mutants/swift/run.py "$copy" tests/mutants/swift/patches.txt "${1:-.}" -- \
-        bash -euc 'swift_tool swift test --package-path ios --no-parallel --scratch-path "$target/mutants/build" "$@"' mutants
+        bash -euc 'swift_tool swift "$@" --package-path ios --scratch-path "$target/mutants/build"' mutants
 }
 
 of_rust() { # [SHARE [WORD [PATH...]]]

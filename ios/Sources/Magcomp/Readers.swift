@@ -133,7 +133,7 @@ final class Readers: Sendable {
     private func feedAll(_ run: Int) async throws {
         let events = events()
         state.change { if $0.run == run { $0.isLive = events.isLive } }
-        let watching = Task { try await events.isLive ? watchForSilence(run) : watch(run) }
+        let watching = Task { try await events.isLive ? watchForSilence(run) : watch() }
         defer { watching.cancel() }
         if let listen = events.listen { return try await Calls(listen, { [self] in try hear($0, &$1, of: run) }).ended() }
         let iterator = events.makeAsyncIterator()
@@ -209,10 +209,10 @@ final class Readers: Sendable {
     }
 
     /// Ends what waits for too long.
-    private func watch(_ run: Int) async throws {
+    private func watch() async throws {
         while true {
             try await clock.sleep(forNs: Self.patienceNs)
-            for reader in state.value.readers.values where reader.run == run { reader.losePatience() }
+            for reader in state.value.ofRun { reader.losePatience() }
         }
     }
 

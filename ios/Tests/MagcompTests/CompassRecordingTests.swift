@@ -1,11 +1,13 @@
 import Foundation
 @testable import Magcomp
+import MagcompTestHooks
 import Testing
 
 /// A live source that sleeps as a test says.
 private struct Sleeping: MagneticFieldSource {
     let live = Live()
-    let slept = Shared(0.0)
+    /// Also before anybody had a compass.
+    let slept = Shared(7200.0)
 
     var hiddenS: Double { slept.value }
 
@@ -131,8 +133,10 @@ private struct Seen: Equatable {
                 if try compass.aid(with: pose) { told.append(.attitude(pose)) }
                 try await play(phone(20, from: seen.value.count), source, seen)
             }
-            source.slept.change { $0 = 1234.5 }
-            try await play(phone(200, from: seen.value.count), source, seen)
+            for sleptS in [1234.5, 60] {
+                source.slept.change { $0 += sleptS }
+                try await play(phone(100, from: seen.value.count), source, seen)
+            }
             compass.axis = .camera
             try compass.setDeclinationDeg(nil)
             compass.reset()
@@ -152,6 +156,8 @@ private struct Seen: Equatable {
         let rows = text.split(separator: "\n").map { $0.split(separator: ",", omittingEmptySubsequences: false) }
         let (field, own) = (try #require(rows[0].firstIndex(of: "mx")), try #require(rows[0].firstIndex(of: "own_t_s")))
         #expect(rows.dropFirst().allSatisfy { $0[field].isEmpty || $0[own].isEmpty })
+        let slept = try #require(rows[0].firstIndex(of: "slept_s"))
+        #expect(rows.dropFirst().map { $0[slept] }.filter { !$0.isEmpty } == ["1234.5", "60.0"])
         // each of them matters: without it other readings come
         for column in ["slept_s", "screen_deg", "declination_deg", "reset", "course_deg", "sys_accuracy", "own_t_s"] {
             let lines = text.split(separator: "\n", omittingEmptySubsequences: true).map(String.init)
@@ -295,6 +301,47 @@ private struct Seen: Equatable {
         #expect(throws: (any Error).self) { try full.close() }
         #expect(full.isOver)
         // so another may begin
+        let next = Compass(source: Played(events: tumbling(300), isLive: false))
         try compass.record(to: file()).close()
+        // another clock begins, and there is no room for another file
+        let made = Shared(0)
+        let one = try Compass.Recording(to: file(), mostBytes: 1_000_000) { path in
+            made.change { $0 += 1 }
+            if made.value == 1 { return open(path, O_WRONLY | O_CREAT, 0o644) }
+            errno = ENOSPC
+            return -1
+        }
+        _ = try next.estimation.record { one }
+        for _ in 0..<2 { #expect(try await next.readings().collected().count == 300) }
+        #expect(one.isOver && one.urls.count == 1)
+        #expect(throws: CocoaError.self) { try one.close() }
+        #expect(try await played(one.urls[0]).count == 300, "what was written before stays")
+    }
+
+    /// A compass that is gone ends its recording.
+    @Test func whatNobodyClosesIsWrittenToo() async throws {
+        let url = file()
+        var compass: Compass? = Compass(source: Played(events: tumbling(300), isLive: false))
+        try compass?.record(to: url)
+        let seen = try #require(try await compass?.readings().collected()).map(Seen.init)
+        compass = nil
+        try await eventually { (try? String(contentsOf: url, encoding: .utf8))?.contains("\n3.000000000,") == true }
+        #expect(try await played(url) == seen)
+    }
+
+    /// What was learned is lost, and the next run begins with what the store keeps.
+    @Test func aDefectIsInIt() async throws {
+        let (source, seen, url) = (Sleeping(), Shared<[CompensatedReading]>([]), file())
+        let compass = Compass(source: source, store: Slow())
+        let recording = try compass.record(to: url)
+        let task = reader(compass, seen)
+        try await source.live.started(1)
+        try await play(phone(900), source, seen)
+        #expect(magcomp_test_panic(try #require(compass.fastHandle)) == Int32(MAGCOMP_PANICKED))
+        source.live.play(flat(900))
+        await #expect(throws: MagcompError.self) { try await task.value }
+        try await run(compass, source, seen) { try await play(phone(100, from: 901), source, seen) }
+        try recording.close()
+        #expect(try await played(url) == seen.value.map(Seen.init) && seen.value.count == 1000)
     }
 }

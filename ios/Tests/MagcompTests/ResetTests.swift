@@ -135,6 +135,7 @@ import Testing
         let source = Live()
         let store = SavingTests.Kept()
         let compass = Compass(source: source, store: store)
+        try compass.setDeclinationDeg(7)
         let seen = Shared<[CompensatedReading]>([])
         let task = reader(compass, seen)
         try await source.started(1)
@@ -155,7 +156,7 @@ import Testing
         try await source.started(2)
         source.play(flat(901))
         try await eventually { seen.value.count == 901 }
-        #expect(seen.value.last?.reading.fieldUt != nil)
+        #expect(seen.value.last?.reading.fieldUt != nil && seen.value.last?.trueHeadingDeg != nil, "with its frame")
         again.cancel()
         try await again.value
     }

@@ -103,7 +103,7 @@ import Testing
             model.retry()
         }
         try await source.started(4)
-        try await eventually { model.error == nil }
+        #expect(model.error == nil && model.headingDeg == nil)
         for view in views { view.cancel() }
         for view in views { await view.value }
         try await eventually { source.state.value.ends == 4 }
@@ -257,6 +257,14 @@ import Testing
         try await task.value
         compass = nil
         try await eventually { source.state.value.ends == 3 }
+        // who still reads goes on, and is the last
+        compass = Compass(source: source, graceS: 5)
+        let last = reader(try #require(compass), Shared([]))
+        try await source.started(4)
+        compass = nil
+        last.cancel()
+        try await last.value
+        try await eventually { source.state.value.ends == 4 }
     }
 
     @Test func aPreviewShowsItsStateAndRunsNothing() async {
