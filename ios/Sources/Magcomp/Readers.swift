@@ -148,8 +148,7 @@ final class Readers: Sendable {
                 if !answers.isEmpty {
                     // sensors do not wait for a store, so neither do their readings
                     await estimation.settledIfTold()
-                    let readers = state.change { Self.readers(of: run, latest: answers[answers.count - 1], &$0) }
-                    for reader in readers { await fill(reader, answers) }
+                    for reader in readers(of: run, latest: answers[answers.count - 1]) { await fill(reader, answers) }
                     answers.removeAll(keepingCapacity: true)
                 }
                 try pushed.get()
@@ -162,11 +161,9 @@ final class Readers: Sendable {
     private func hear(_ events: [SensorSample], _ answers: inout [CompensatedReading], of run: Int) throws {
         let pushed = Result { try estimation.push(events, isLive: true, &answers) }
         if !answers.isEmpty {
-            // inside the lock, so that silence is never told after what ends it
-            state.change { state in
-                for reader in Self.readers(of: run, latest: answers[answers.count - 1], &state) {
-                    _ = reader.take(answers[...], waits: false)
-                }
+            // outside the lock: to wake a task takes its own, which it holds when it is cancelled and leaves
+            for reader in readers(of: run, latest: answers[answers.count - 1]) {
+                _ = reader.take(answers[...], waits: false)
             }
             answers.removeAll(keepingCapacity: true)
         }
@@ -174,10 +171,12 @@ final class Readers: Sendable {
     }
 
     /// Who gets the run's readings, the newest of which is noted.
-    private static func readers(of run: Int, latest: CompensatedReading, _ state: inout State) -> [Reader] {
-        guard state.run == run, state.running else { return [] }
-        (state.latest, state.heard) = (latest, state.heard &+ 1)
-        return state.ofRun
+    private func readers(of run: Int, latest: CompensatedReading) -> [Reader] {
+        state.change { state in
+            guard state.run == run, state.running else { return [] }
+            (state.latest, state.heard) = (latest, state.heard &+ 1)
+            return state.ofRun
+        }
     }
 
     /// Tells once when a live source has delivered no sample for too long, from the run's beginning on.
@@ -190,11 +189,12 @@ final class Readers: Sendable {
             guard quiet == Self.looks else { continue }
             let silent = estimation.silent(after: latest)
             // one more sample may have come meanwhile: then nobody is silent
-            state.change { state in
-                guard state.run == run, state.running, state.heard == heard else { return }
+            let readers = state.change { state -> [Reader] in
+                guard state.run == run, state.running, state.heard == heard else { return [] }
                 state.latest = silent
-                for reader in state.ofRun { _ = reader.take([silent], waits: false) }
+                return state.ofRun
             }
+            for reader in readers { _ = reader.take([silent], waits: false) }
         }
     }
 

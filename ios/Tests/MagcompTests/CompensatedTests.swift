@@ -27,7 +27,9 @@ import Testing
         try await source.started(1)
         source.play(events)
         try await eventually { compass.latest?.sample.timeNs == events.last?.timeNs }
+        // a reader gets a reading after `latest` has it, and all of them before the run is over
         source.finish()
+        try await eventually { compass.latest == nil }
         var readings: [CompensatedReading] = []
         while let reading = try await slow.next() { readings.append(reading) }
         #expect(readings.map(\.droppedBefore) == [1495, 0, 0, 0, 0])

@@ -67,6 +67,22 @@ import Testing
         #expect(source.state.value.starts == 2)
     }
 
+    @Test func whoLeavesLastWaitsForTheRunsEnd() async throws {
+        let (runs, begun, ended) = (SharedRun(), Shared(false), Shared(false))
+        let view = Task {
+            await runs.join { _ in
+                begun.change { $0 = true }
+                while !Task.isCancelled { await Task.yield() }
+                for _ in 0..<50 { await Task.yield() }
+                ended.change { $0 = true }
+            }
+        }
+        try await eventually { begun.value }
+        view.cancel()
+        await view.value
+        #expect(ended.value)
+    }
+
     @Test func everyViewEndsWithTheSource() async throws {
         let source = Live()
         let (model, other) = (
