@@ -52,7 +52,7 @@ of_swift() { # [WORD]
     local copy=$target/mutants/swift
     rm -rf "$copy"
     mkdir -p "$copy"
-    git ls-files -z -- Package.swift README.md ios bindings/swift rust/magcomp-ffi/include tests/vectors \
+    git ls-files -z -- Package.swift README.md docs/FRAMEWORKS.md ios bindings/swift rust/magcomp-ffi/include tests/vectors \
         tests/recordings/broad_34_attached_magnet_3cm.csv.gz | xargs -0 cp --parents -t "$copy"
     # many tests wait in vain for what a patch has broken
     export MAGCOMP_NATIVE=$native MAGCOMP_EXPECTED=$target/swift MAGCOMP_LONGEST_S=30

@@ -234,7 +234,9 @@ private struct BrokenSource: MagneticFieldSource {
         adapter.startUpdatingHeading()
         try await source.started(1)
         source.play(tumbling(600))
-        try await eventually { compass.latest?.sample.timeNs == 600 * stepNs && map.headings.last?.headingAccuracy ?? -1 > 0 }
+        try await eventually {
+            map.headings.last?.headingAccuracy ?? -1 > 0 && compass.latest?.sample.timeNs == 600 * stepNs
+        }
         if isError { source.finish(Broken()) } else { source.play(flat(600)) }
         // the adapter is yet to be told: that takes the main thread
         busy { isError ? compass.latest == nil : compass.latest?.sample.timeNs == 601 * stepNs }

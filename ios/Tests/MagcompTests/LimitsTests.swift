@@ -53,7 +53,7 @@ import Testing
             return try residentBytes() - before
         }
         // one byte lost in every push takes 16, and would show every time; what else the process does now and then
-        #expect(grown.contains { $0 < 1_000_000 }, "resident memory grew by \(grown) bytes in 100 000 magnetometer pushes each")
+        #expect(grown.contains { $0 < 1_000_000 }, "resident memory grew by \(grown) bytes in 100 000 pushes each")
     }
 
     @Test(.enabled(if: Self.hasProc, "Linux tells a process its memory")) func compensatorsAreFreed() throws {
