@@ -188,7 +188,9 @@ private struct Seen: Equatable {
         let recording = try compass.record(to: url)
         let seen = Shared<[CompensatedReading]>([])
         for run in 0..<3 {
-            try await self.run(compass, source, seen) { try await play(phone(200, from: 300 * run, .low), source, seen) }
+            // iOS's field comes before the first sample
+            let events = Array(phone(200, from: 300 * run, .low).dropFirst())
+            try await self.run(compass, source, seen) { try await play(events, source, seen) }
         }
         try recording.close()
         let again = try await played(url)

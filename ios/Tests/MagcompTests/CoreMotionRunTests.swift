@@ -102,7 +102,7 @@ import Testing
             #expect(try await second.next()?.timeNs == Int64(time) * 1_000_000_000)
         }
         first = nil
-        #expect(manager.isMagnetometerActive, "one is left")
+        try #require(manager.isMagnetometerActive, "one is left")
         manager.magnetometer(at: 3, 1, 2, 3)
         #expect(try await second.next()?.timeNs == 3_000_000_000)
     }
