@@ -52,7 +52,7 @@ of_swift() { # [WORD]
     local copy=$target/mutants/swift
     rm -rf "$copy"
     mkdir -p "$copy"
-    git ls-files -z -- Package.swift README.md ios bindings/swift rust/magcomp-ffi/include tests/vectors \
+    git ls-files -z -- Package.swift README.md docs/FRAMEWORKS.md ios bindings/swift rust/magcomp-ffi/include tests/vectors \
         tests/recordings/broad_34_attached_magnet_3cm.csv.gz | xargs -0 cp --parents -t "$copy"
     # many tests wait in vain for what a patch has broken
     export MAGCOMP_NATIVE=$native MAGCOMP_EXPECTED=$target/swift MAGCOMP_LONGEST_S=30
@@ -60,7 +60,7 @@ of_swift() { # [WORD]
     export -f swift_tool
     export swift_on_path swift_root target
     python3 tests/mutants/swift/run.py "$copy" tests/mutants/swift/patches.txt "${1:-.}" -- \
-        bash -euc 'swift_tool swift test --package-path ios --no-parallel --scratch-path "$target/mutants/build" "$@"' mutants
+        bash -euc 'swift_tool swift "$@" --package-path ios --scratch-path "$target/mutants/build"' mutants
 }
 
 of_rust() { # [SHARE [WORD [PATH...]]]

@@ -55,10 +55,11 @@ public final class CompassLocationManager: NSObject, MLNLocationManager, CLLocat
         (toldDeg, isLost) = (nil, false)
         following = Task { @MainActor [weak self, compass] in
             do {
-                for try await answer in compass.readings(capacity: 1) { self?.show(answer) }
+                // one may be on its way when this is cancelled
+                for try await answer in compass.readings(capacity: 1) where !Task.isCancelled { self?.show(answer) }
                 if !Task.isCancelled { self?.lose(at: Date()) }
             } catch {
-                guard let self else { return }
+                guard let self, !Task.isCancelled else { return }
                 self.lose(at: Date())
                 self.delegate?.locationManager(self, didFailWithError: error)
             }

@@ -134,7 +134,7 @@ public final class Compass: Sendable {
     /// The frame of the headings, whole.
     var frame: HeadingFrame { frames.value }
 
-    /// The latest reading while the sensors run.
+    /// The latest reading while the sensors run, for tests alone: its readers get it a moment later.
     var latest: CompensatedReading? { readers.latest }
 
     /// Whether the events of the latest run come whether or not anybody is ready for them.

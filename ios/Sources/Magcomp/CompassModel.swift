@@ -70,7 +70,12 @@ public final class CompassModel {
     }
 
     /// Tries again after an error that may pass, such as a sensor that has stopped: the run that waits goes on. Else it does nothing.
-    public func retry() { if error?.mayPass == true { runs.retry() } }
+    public func retry() {
+        guard error?.mayPass == true, !isPreview else { return }
+        // who asks twice is not heard after the next error
+        show(CompassState())
+        runs.retry()
+    }
 
     /// Saves the calibration now: for an app that enters the background.
     public func save() { compass.save() }

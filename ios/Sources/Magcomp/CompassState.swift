@@ -48,7 +48,6 @@ extension Compass {
                 where !(value > 0) {
                     throw MagcompError.config(field: "CompassModel.\(field)", value: "\(value)", expected: "above 0")
                 }
-                if let latest { screen.see(latest) }
                 show(screen.state)
                 var iterator = readings(rateHz: rateHz).makeAsyncIterator()
                 while let answer = try await iterator.next(isolation: MainActor.shared) {

@@ -83,6 +83,8 @@ final class Readers: Sendable {
                 }
             }
             let reader = Reader(run: state.run, capacity: capacity, rateHz: rateHz)
+            // a screen begins with what is known
+            if rateHz != nil, let latest = state.latest { _ = reader.take([latest], waits: false) }
             state.number += 1
             state.readers[state.number] = reader
             return (state.number, reader)
@@ -131,7 +133,7 @@ final class Readers: Sendable {
     private func feedAll(_ run: Int) async throws {
         let events = events()
         state.change { if $0.run == run { $0.isLive = events.isLive } }
-        let watching = Task { try await events.isLive ? watchForSilence(run) : watch(run) }
+        let watching = Task { try await events.isLive ? watchForSilence(run) : watch() }
         defer { watching.cancel() }
         if let listen = events.listen { return try await Calls(listen, { [self] in try hear($0, &$1, of: run) }).ended() }
         let iterator = events.makeAsyncIterator()
@@ -159,6 +161,7 @@ final class Readers: Sendable {
     private func hear(_ events: [SensorSample], _ answers: inout [CompensatedReading], of run: Int) throws {
         let pushed = Result { try estimation.push(events, isLive: true, &answers) }
         if !answers.isEmpty {
+            // outside the lock: to wake a task takes its own, which it holds when it is cancelled and leaves
             for reader in readers(of: run, latest: answers[answers.count - 1]) {
                 _ = reader.take(answers[...], waits: false)
             }
@@ -170,8 +173,9 @@ final class Readers: Sendable {
     /// Who gets the run's readings, the newest of which is noted.
     private func readers(of run: Int, latest: CompensatedReading) -> [Reader] {
         state.change { state in
-            if state.run == run, state.running { (state.latest, state.heard) = (latest, state.heard &+ 1) }
-            return state.run == run ? state.ofRun : []
+            guard state.run == run, state.running else { return [] }
+            (state.latest, state.heard) = (latest, state.heard &+ 1)
+            return state.ofRun
         }
     }
 
@@ -205,10 +209,10 @@ final class Readers: Sendable {
     }
 
     /// Ends what waits for too long.
-    private func watch(_ run: Int) async throws {
+    private func watch() async throws {
         while true {
             try await clock.sleep(forNs: Self.patienceNs)
-            for reader in state.value.readers.values where reader.run == run { reader.losePatience() }
+            for reader in state.value.ofRun { reader.losePatience() }
         }
     }
 

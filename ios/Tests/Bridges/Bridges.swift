@@ -7,7 +7,7 @@ import Magcomp
 func told(_ compass: Compass, _ send: @escaping ([String: Any]) -> Void) -> Task<Void, Never> {
     Task { @MainActor in
         do {
-            for try await it in compass.readings() {
+            for try await it in compass.readings() where !Task.isCancelled {
                 send(["headingDeg": it.headingDeg as Any, "sigmaDeg": it.headingSigmaDeg as Any, "text": it.localizedText])
             }
         } catch { send(["headingDeg": NSNull(), "sigmaDeg": NSNull(), "text": error.localizedDescription]) }

@@ -115,6 +115,24 @@ private struct BrokenSource: MagneticFieldSource {
         #expect(adapter.lastHeading == nil && map.headings.last?.accuracy == 180)
     }
 
+    /// A reading that is on its way when the map stops.
+    @Test func nothingIsToldAfterAStop() async throws {
+        let source = PushedSource(holdS: 0)
+        let compass = Compass(source: source)
+        try compass.setDeclinationDeg(0)
+        let adapter = CompassLocationProvider(locations: provider, compass: compass)
+        adapter.delegate = map
+        adapter.startUpdating()
+        try await eventually { source.listeners == 1 }
+        source.push(tumbling(600))
+        try await eventually { adapter.lastHeading != nil }
+        source.push(flat(600))
+        adapter.stopUpdating()
+        let count = map.headings.count
+        for _ in 0..<50 { await Task.yield() }
+        #expect(adapter.lastHeading == nil && map.headings.count == count && map.headings.last?.accuracy == 180)
+    }
+
     @Test func withoutAPlaceThereIsNoHeadingAndErrorsArrive() async throws {
         let compass = Compass(source: BrokenSource())
         let adapter = CompassLocationProvider(locations: provider, compass: compass)
@@ -205,6 +223,27 @@ private struct BrokenSource: MagneticFieldSource {
         source.finish(Broken())
         try await eventually { map.errors.count == 1 }
         #expect(map.headings.last?.headingAccuracy == -1)
+    }
+
+    /// A reading, or an error, that is on its way when the map stops.
+    @Test(arguments: [true, false]) func nothingIsToldAfterAStop(isError: Bool) async throws {
+        let source = Live()
+        let compass = Compass(source: source)
+        let adapter = CompassLocationManager(compass, locations: locations)
+        adapter.delegate = map
+        adapter.startUpdatingHeading()
+        try await source.started(1)
+        source.play(tumbling(600))
+        try await eventually {
+            map.headings.last?.headingAccuracy ?? -1 > 0 && compass.latest?.sample.timeNs == 600 * stepNs
+        }
+        if isError { source.finish(Broken()) } else { source.play(flat(600)) }
+        // the adapter is yet to be told: that takes the main thread
+        busy { isError ? compass.latest == nil : compass.latest?.sample.timeNs == 601 * stepNs }
+        adapter.stopUpdatingHeading()
+        let count = map.headings.count
+        for _ in 0..<50 { await Task.yield() }
+        #expect(map.headings.count == count && map.headings.last?.headingAccuracy == -1 && map.errors.isEmpty)
     }
 
     @Test func theMapTellsHowTheDeviceIsHeld() {

@@ -1,11 +1,13 @@
 import Foundation
 @testable import Magcomp
+import MagcompTestHooks
 import Testing
 
 /// A live source that sleeps as a test says.
 private struct Sleeping: MagneticFieldSource {
     let live = Live()
-    let slept = Shared(0.0)
+    /// Also before anybody had a compass.
+    let slept = Shared(7200.0)
 
     var hiddenS: Double { slept.value }
 
@@ -131,15 +133,22 @@ private struct Seen: Equatable {
                 if try compass.aid(with: pose) { told.append(.attitude(pose)) }
                 try await play(phone(20, from: seen.value.count), source, seen)
             }
-            source.slept.change { $0 = 1234.5 }
-            try await play(phone(200, from: seen.value.count), source, seen)
+            for sleptS in [1234.5, 60] {
+                source.slept.change { $0 += sleptS }
+                try await play(phone(100, from: seen.value.count), source, seen)
+            }
             compass.axis = .camera
             try compass.setDeclinationDeg(nil)
             compass.reset()
             try await play(phone(300, from: seen.value.count), source, seen)
         }
         #expect(seen.contains { $0.reading.trueHeadingDeg != nil })
-        let help = try await RecordingSource(url: url).samples().collected().filter {
+        let all = try await RecordingSource(url: url).samples().collected()
+        let slept = all.compactMap { event -> Double? in
+            if case .note(let note) = event, case .slept(let seconds) = note.what { seconds } else { nil }
+        }
+        #expect(slept == [1234.5, 60])
+        let help = all.filter {
             switch $0 {
             case .heading, .attitude: true
             default: false
@@ -179,7 +188,9 @@ private struct Seen: Equatable {
         let recording = try compass.record(to: url)
         let seen = Shared<[CompensatedReading]>([])
         for run in 0..<3 {
-            try await self.run(compass, source, seen) { try await play(phone(200, from: 300 * run, .low), source, seen) }
+            // iOS's field comes before the first sample
+            let events = Array(phone(200, from: 300 * run, .low).dropFirst())
+            try await self.run(compass, source, seen) { try await play(events, source, seen) }
         }
         try recording.close()
         let again = try await played(url)
@@ -295,6 +306,47 @@ private struct Seen: Equatable {
         #expect(throws: (any Error).self) { try full.close() }
         #expect(full.isOver)
         // so another may begin
+        let next = Compass(source: Played(events: tumbling(300), isLive: false))
         try compass.record(to: file()).close()
+        // another clock begins, and there is no room for another file
+        let made = Shared(0)
+        let one = try Compass.Recording(to: file(), mostBytes: 1_000_000) { path in
+            made.change { $0 += 1 }
+            if made.value == 1 { return open(path, O_WRONLY | O_CREAT, 0o644) }
+            errno = ENOSPC
+            return -1
+        }
+        _ = try next.estimation.record { one }
+        for _ in 0..<2 { #expect(try await next.readings().collected().count == 300) }
+        #expect(one.isOver && one.urls.count == 1)
+        #expect(throws: CocoaError.self) { try one.close() }
+        #expect(try await played(one.urls[0]).count == 300, "what was written before stays")
+    }
+
+    /// A compass that is gone ends its recording.
+    @Test func whatNobodyClosesIsWrittenToo() async throws {
+        let url = file()
+        var compass: Compass? = Compass(source: Played(events: tumbling(300), isLive: false))
+        try compass?.record(to: url)
+        let seen = try #require(try await compass?.readings().collected()).map(Seen.init)
+        compass = nil
+        try await eventually { (try? String(contentsOf: url, encoding: .utf8))?.contains("\n3.000000000,") == true }
+        #expect(try await played(url) == seen)
+    }
+
+    /// What was learned is lost, and the next run begins with what the store keeps.
+    @Test func aDefectIsInIt() async throws {
+        let (source, seen, url) = (Sleeping(), Shared<[CompensatedReading]>([]), file())
+        let compass = Compass(source: source, store: Slow())
+        let recording = try compass.record(to: url)
+        let task = reader(compass, seen)
+        try await source.live.started(1)
+        try await play(phone(900), source, seen)
+        #expect(magcomp_test_panic(try #require(compass.fastHandle)) == Int32(MAGCOMP_PANICKED))
+        source.live.play(flat(900))
+        await #expect(throws: MagcompError.self) { try await task.value }
+        try await run(compass, source, seen) { try await play(phone(100, from: 901), source, seen) }
+        try recording.close()
+        #expect(try await played(url) == seen.value.map(Seen.init) && seen.value.count == 1000)
     }
 }

@@ -127,9 +127,11 @@ import Testing
         #expect(try await idle.next()?.droppedBefore == 0)
         let seen = Shared<[CompensatedReading]>([])
         let other = reader(compass, seen)
-        let turning = Task { while true { try await clock.turn(5) } }
+        // patience is lost once: then time stands, and the other has more than what goes into the idle one's room
+        let turning = Task { while seen.value.count < 10 { try await clock.turn(5) } }
+        defer { turning.cancel() }
+        try await eventually { seen.value.last?.sample.timeNs == 300 * stepNs }
         try await other.value
-        turning.cancel()
         #expect(seen.value.count > 250 && seen.value.allSatisfy { $0.droppedBefore == 0 })
         // what was kept for it is the latest
         var last: [CompensatedReading] = []

@@ -47,11 +47,13 @@ import Testing
             offsetNs += Int64(events.count) * stepNs
         }
         for _ in 0..<50 { try round() }
-        let before = try residentBytes()
-        for _ in 0..<1000 { try round() }
-        let grown = try residentBytes() - before
-        // one byte lost in every push would show
-        #expect(grown < 1_000_000, "resident memory grew by \(grown) bytes in a million magnetometer pushes")
+        let grown = try (0..<10).map { _ in
+            let before = try residentBytes()
+            for _ in 0..<100 { try round() }
+            return try residentBytes() - before
+        }
+        // one byte lost in every push takes 16, and would show every time; what else the process does now and then
+        #expect(grown.contains { $0 < 1_000_000 }, "resident memory grew by \(grown) bytes in 100 000 pushes each")
     }
 
     @Test(.enabled(if: Self.hasProc, "Linux tells a process its memory")) func compensatorsAreFreed() throws {

@@ -113,6 +113,39 @@ import Testing
         #expect(seen.value.count == 1100)
     }
 
+    /// Its last call was on its way when it was told to stop.
+    @Test func whatComesAfterTheEndIsNotTaken() async throws {
+        struct Deaf: MagneticFieldSource {
+            let listener = Shared<SensorSamples.Listener?>(nil)
+            let taken = Shared(0)
+
+            // read with every sample
+            var hiddenS: Double {
+                taken.change { $0 += 1 }
+                return 0
+            }
+
+            func samples() -> SensorSamples {
+                SensorSamples.calls { [listener] new in
+                    listener.change { $0 = new }
+                    return {}
+                }
+            }
+        }
+        let source = Deaf()
+        let compass = Compass(source: source)
+        let seen = Shared<[CompensatedReading]>([])
+        let task = reader(compass, seen)
+        try await eventually { source.listener.value != nil }
+        let before = source.taken.value
+        source.listener.value?.take(flat(0))
+        try await eventually { seen.value.count == 1 }
+        task.cancel()
+        try await task.value
+        source.listener.value?.take(flat(1))
+        #expect(source.taken.value == before + 1)
+    }
+
     @Test(arguments: [-0.01, 0.26, .nan]) func aHoldOutOfRangeIsAnError(holdS: Double) async {
         let error = MagcompError.config(field: "PushedSource.holdS", value: "\(holdS)", expected: "0 to 0.25 s")
         await #expect(throws: error) { try await PushedSource(holdS: holdS).samples().collected() }

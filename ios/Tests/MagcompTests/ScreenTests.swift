@@ -106,11 +106,7 @@ import Testing
         try await source.live.started(1)
         let before = source.seen.value
         source.live.play(tumbling(300))
-        func busy() {
-            let deadline = ContinuousClock.now + .seconds(longestS)
-            while source.seen.value < before + 300, ContinuousClock.now < deadline { Thread.sleep(forTimeInterval: 0.001) }
-        }
-        busy()
+        busy { source.seen.value >= before + 300 }
         #expect(source.seen.value == before + 300)
         try await eventually { @Sendable in shown.value.last == 300 * stepNs }
         // the one it waited for, the newest, and one the feeding was at

@@ -67,6 +67,22 @@ import Testing
         #expect(source.state.value.starts == 2)
     }
 
+    @Test func whoLeavesLastWaitsForTheRunsEnd() async throws {
+        let (runs, begun, ended) = (SharedRun(), Shared(false), Shared(false))
+        let view = Task {
+            await runs.join { _ in
+                begun.change { $0 = true }
+                while !Task.isCancelled { await Task.yield() }
+                for _ in 0..<50 { await Task.yield() }
+                ended.change { $0 = true }
+            }
+        }
+        try await eventually { begun.value }
+        view.cancel()
+        await view.value
+        #expect(ended.value)
+    }
+
     @Test func everyViewEndsWithTheSource() async throws {
         let source = Live()
         let (model, other) = (
@@ -98,10 +114,12 @@ import Testing
             try await eventually { model.error?.mayPass == true }
             #expect(model.headingDeg == nil && model.status == "The magnetometer has stopped.")
             #expect(source.state.value.starts == run)
+            // twice is once: the next error waits to be asked about
+            model.retry()
             model.retry()
         }
         try await source.started(4)
-        try await eventually { model.error == nil }
+        #expect(model.error == nil && model.headingDeg == nil)
         for view in views { view.cancel() }
         for view in views { await view.value }
         try await eventually { source.state.value.ends == 4 }
@@ -157,6 +175,7 @@ import Testing
         try await source.started(1)
         source.play(tumbling(900))
         try await eventually { seen.value.count == 900 }
+        await compass?.settled()
         let saved = store.kept.value
         first.cancel()
         try await first.value
@@ -181,6 +200,29 @@ import Testing
         withExtendedLifetime(model) { #expect(source.state.value.ends == 0) }
     }
 
+    /// A sample that comes when a screen has shown that it begins, and before it reads.
+    @Test func aScreenThatComesBackMissesNothing() async throws {
+        let source = PushedSource(holdS: 0)
+        let compass = Compass(source: source, graceS: 5)
+        let first = reader(compass, Shared([]))
+        try await eventually { source.listeners == 1 }
+        source.push(tumbling(3))
+        first.cancel()
+        try await first.value
+        let shown = Shared<[Int64]>([])
+        let second = Task {
+            let retries = AsyncStream<Void> { $0.finish() }
+            await compass.follow(rateHz: 1e6, smoothingHalfLifeS: nil, retries: retries) { state in
+                if shown.value.isEmpty { source.push(flat(3)) }
+                shown.change { $0.append((state.reading?.sample.timeNs ?? 0) / stepNs) }
+            }
+        }
+        try await eventually { shown.value.last == 4 }
+        #expect(shown.value == [0, 4])
+        second.cancel()
+        await second.value
+    }
+
     @Test func whoComesBackInTimeReadsOnWhenItIsOver() async throws {
         let source = Live()
         let clock = StandingClock()
@@ -188,6 +230,7 @@ import Testing
         let leaving = reader(compass, Shared([]))
         try await source.started(1)
         source.play(flat(0))
+        try await eventually { compass.latest != nil }
         leaving.cancel()
         try await leaving.value
         let seen = Shared<[CompensatedReading]>([])
@@ -230,6 +273,14 @@ import Testing
         try await task.value
         compass = nil
         try await eventually { source.state.value.ends == 3 }
+        // who still reads goes on, and is the last
+        compass = Compass(source: source, graceS: 5)
+        let last = reader(try #require(compass), Shared([]))
+        try await source.started(4)
+        compass = nil
+        last.cancel()
+        try await last.value
+        try await eventually { source.state.value.ends == 4 }
     }
 
     @Test func aPreviewShowsItsStateAndRunsNothing() async {
@@ -243,5 +294,8 @@ import Testing
         let failed = CompassModel(preview: nil, error: missing)
         await failed.run()
         #expect(failed.error == missing && failed.status == "This device has no magnetometer." && failed.headingDeg == nil)
+        let stopped = CompassModel(preview: nil, error: .refused(sensor: .magnetometer, reason: ""))
+        stopped.retry()
+        #expect(stopped.error != nil)
     }
 }

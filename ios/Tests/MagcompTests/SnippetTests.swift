@@ -148,6 +148,17 @@ final class CameraHelp: NSObject, ARSessionDelegate {
             #expect(told["headingDeg"] as? Double == nil && told["text"] as? String == "the magnetometer delivers nothing")
         }
     }
+
+    /// A reading that is on its way when nobody listens any more.
+    @MainActor @Test func theBridgesTellNothingAfterTheirEnd() async throws {
+        let (source, count) = (PushedSource(holdS: 0), Shared(0))
+        let running = told(Compass(source: source)) { _ in count.change { $0 += 1 } }
+        try await eventually { source.listeners == 1 }
+        source.push(flat(0))
+        running.cancel()
+        await running.value
+        #expect(count.value == 0)
+    }
     #endif
 
     @Test func aLandmarkThatNobodyReadsChangesNothing() throws {

@@ -135,8 +135,10 @@ final class StandingClock: WaitingClock {
         try await withTaskCancellationHandler {
             try await withCheckedThrowingContinuation { wake in
                 let isCancelled = state.change { state in
-                    if !Task.isCancelled { state.waiting[number] = (state.nowNs + ns, wake) }
-                    return Task.isCancelled
+                    // looked at once: it may be cancelled meanwhile, and is woken then
+                    let isCancelled = Task.isCancelled
+                    if !isCancelled { state.waiting[number] = (state.nowNs + ns, wake) }
+                    return isCancelled
                 }
                 if isCancelled { wake.resume(throwing: CancellationError()) }
             }
@@ -222,6 +224,12 @@ func eventually(isolation: isolated (any Actor)? = #isolation, _ happens: () -> 
         try #require(ContinuousClock.now < deadline, "it never happened")
         try await Task.sleep(for: .milliseconds(1))
     }
+}
+
+/// Holds this thread, as the main one may be busy, until it happens on another.
+func busy(until happens: () -> Bool) {
+    let deadline = ContinuousClock.now + .seconds(longestS)
+    while !happens(), ContinuousClock.now < deadline { Thread.sleep(forTimeInterval: 0.001) }
 }
 
 /// A value tests share with other threads.
