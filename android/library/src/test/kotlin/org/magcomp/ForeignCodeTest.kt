@@ -98,6 +98,40 @@ class ForeignCodeTest {
     }
 
     @Test
+    fun `a thread delivers while it does so, and no longer`() {
+        val delivers = CopyOnWriteArrayList<Boolean>()
+        thread {
+            Handover.delivering {
+                Handover.delivering { }
+                delivers += Handover.isDelivering()
+            }
+            delivers += Handover.isDelivering()
+        }.join()
+        assertEquals(listOf(true, false), delivers.toList())
+    }
+
+    @Test
+    fun `the rotation of Java's screen is asked on its executor`() = runBlocking {
+        val main = java.util.concurrent.Executors.newSingleThreadExecutor { Thread(it, "main of the app") }
+        val asked = CopyOnWriteArrayList<String>()
+        val listener = object : HeadingListener {
+            override fun onHeading(reading: CompassReading) = Unit
+
+            override fun onEnd(error: Exception?) = Unit
+        }
+        val running = Compass(source, grace = ZERO).start(main, listener) {
+            asked += Thread.currentThread().name.substringBefore(" @")
+            ScreenRotation.DEG0
+        }
+        sensors.registered(3)
+        until { (asked.size > 1).also { play(1) } }
+        assertEquals(setOf("main of the app"), asked.toSet())
+        running.close()
+        main.shutdown()
+        until { sensors.registrations.isEmpty() }
+    }
+
+    @Test
     fun `who is led off a thread that delivers is on another one, however quick that is`() {
         // it has gone on before `execute` returns
         Handover.executor = Executor { task -> thread { task.run() }.join() }
