@@ -15,6 +15,7 @@ import kotlinx.coroutines.async
 import kotlinx.coroutines.cancelAndJoin
 import kotlinx.coroutines.delay
 import kotlinx.coroutines.flow.first
+import kotlinx.coroutines.flow.flow
 import kotlinx.coroutines.flow.last
 import kotlinx.coroutines.flow.toList
 import kotlinx.coroutines.launch
@@ -98,16 +99,18 @@ class ForeignCodeTest {
     }
 
     @Test
-    fun `a thread delivers while it does so, and no longer`() {
+    fun `a thread of an app's own source delivers no longer than a reading is told`() = runBlocking {
         val delivers = CopyOnWriteArrayList<Boolean>()
-        thread {
-            Handover.delivering {
-                Handover.delivering { }
-                delivers += Handover.isDelivering()
+        val own = object : FlowSource() {
+            override fun played() = flow {
+                for (event in events(tumbling(2))) {
+                    emit(event)
+                    delivers += Handover.isDelivering()
+                }
             }
-            delivers += Handover.isDelivering()
-        }.join()
-        assertEquals(listOf(true, false), delivers.toList())
+        }
+        assertEquals(2, Compass(own, grace = ZERO).readings().toList().size)
+        assertEquals(List(4) { false }, delivers.toList())
     }
 
     @Test

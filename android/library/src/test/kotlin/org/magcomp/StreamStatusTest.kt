@@ -64,7 +64,7 @@ class StreamStatusTest {
         Handler.pass(10)
     }
 
-    private fun collected(body: suspend () -> Unit) = runBlocking {
+    private fun collected(compass: Compass = this.compass, body: suspend () -> Unit) = runBlocking {
         val job: Job = CoroutineScope(Dispatchers.Unconfined).launch { compass.readings().collect(readings::add) }
         sensors.registered(3)
         body()
@@ -88,7 +88,7 @@ class StreamStatusTest {
         assertEquals("of the store", told.storeError!!.message)
         with(told.reading) {
             assertEquals(List<Any?>(5) { null }, listOf(heading, attitude, fieldUt, filteredFieldUt, totalFieldUt))
-            assertEquals(List<Any?>(4) { null }, listOf(sigmaT, directionSigmaDeg, worstSigmaDeg, modelOrder))
+            assertEquals(List<Any?>(3) { null }, listOf(sigmaT, directionSigmaDeg, worstSigmaDeg))
             assertEquals(Triple(before.sample.timeNs, before.reading.window, before.reading.coverage), Triple(timeNs, window, coverage))
             assertEquals(CompensationStatus.Rejected(RejectReason.NotFinite), status)
         }
@@ -104,6 +104,15 @@ class StreamStatusTest {
         assertEquals(StreamStatus.Live, readings.last().stream)
         assertEquals(phone.timeNs, readings.last().sample.timeNs)
         assertEquals(0L, readings.sumOf { it.droppedBefore })
+    }
+
+    @Test
+    fun `a silence has no model order`() = collected(Compass(source, CompensationConfig(method = CompensationMethod.ADAPTIVE), grace = ZERO)) {
+        play(1500)
+        assertNotNull(readings.last().reading.modelOrder)
+        play(300, PhoneSensor.MAGNETOMETER)
+        assertEquals(silent, readings.last().stream)
+        assertNull(readings.last().reading.modelOrder)
     }
 
     @Test
