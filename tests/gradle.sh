@@ -11,10 +11,9 @@ for name in kotlin coroutines jna; do
     grep -qx "$name = \"$(maven $name)\"" gradle/libs.versions.toml || fail "gradle/libs.versions.toml has another version of $name than pom.xml, $(maven $name)"
 done
 version=$(sed -n 's#^  <version>\(.*\)</version>#\1#p' pom.xml)
-for module in library compose; do
-    grep -qx "version = \"$version\"" $module/build.gradle.kts || fail "$module/build.gradle.kts has another version than pom.xml, $version"
-    grep -q "coreLibrariesVersion = \"$(maven kotlin.stdlib)\"\$" $module/build.gradle.kts || fail "the Kotlin library of $module differs"
-    grep -q "minSdk = $(sed -n 's#.*<min.sdk>\(.*\)</min.sdk>.*#\1#p' pom.xml)\b" $module/build.gradle.kts || fail "minSdk of $module differs"
+least=$(sed -n 's#.*<min.sdk>\(.*\)</min.sdk>.*#\1#p' pom.xml)
+for line in "version = \"$version\"" "coreLibrariesVersion = \"$(maven kotlin.stdlib)\"" "defaultConfig { minSdk = $least }"; do
+    grep -qx " *$line" build.gradle.kts || fail "build.gradle.kts has no line '$line', which is pom.xml's"
 done
 
 # every rootDir.resolve("...") and every module

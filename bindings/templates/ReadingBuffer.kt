@@ -2,13 +2,13 @@
 package org.magcomp.core
 
 {% macro whole(field) %}
-whole(slots, at + WHOLE{{ " + " ~ 2 * field.place if field.place }})
+whole(WHOLE{{ " + " ~ 2 * field.place if field.place }})
 {%- endmacro %}
 {% macro real(field) %}
-slots[at + REAL{{ " + " ~ field.place if field.place }}]
+slots[REAL{{ " + " ~ field.place if field.place }}]
 {%- endmacro %}
 {% macro read(field) %}
-{% if field.kind == "count" %}{{ whole(field) }}.toInt(){% elif field.kind == "time" %}{{ whole(field) }}{% elif field.kind == "axis" %}DeviceAxis.entries[{{ whole(field) }}.toInt()]{% elif field.kind == "signed_axis" %}{{ real(field) }}.toInt(){% elif field.kind == "real" %}{{ real(field) }}{% elif field.kind == "FitProblem" %}fitProblem(slots, at){% else %}{{ by_name[field.kind].name|camel }}(slots, at, reason){% endif %}
+{% if field.kind == "count" %}{{ whole(field) }}.toInt(){% elif field.kind == "time" %}{{ whole(field) }}{% elif field.kind == "axis" %}DeviceAxis.entries[{{ whole(field) }}.toInt()]{% elif field.kind == "signed_axis" %}{{ real(field) }}.toInt(){% elif field.kind == "real" %}{{ real(field) }}{% elif field.kind == "FitProblem" %}fitProblem(){% else %}{{ by_name[field.kind].name|camel }}(){% endif %}
 {%- endmacro %}
 {% macro made(one, case) %}
 {{ one.name|app }}.{{ case.name }}{% if case.fields %}({% for field in case.fields %}{{ read(field) }}{{ ", " if not loop.last }}{% endfor %}){% endif %}
@@ -30,7 +30,8 @@ public class ReadingBuffer {
 {% for leaf in field.leaves %}
 {% if field.is_enum %}
     /** {{ field.meaning }}{{ " Null " ~ field.none ~ "." if field.none }} */
-    public val {{ field.name|camel }}: {{ field.kind|app }}{{ "?" if field.none }} get() = {{ field.name|camel }}(slots, 0)
+    public val {{ field.name|camel }}: {{ field.kind|app }}{{ "?" if field.none }} get() = {{ field.kind|app }}.entries{% if field.none %}.getOrNull(slots[{{ leaf.slot }}].toInt()){% else %}[slots[{{ leaf.slot }}].toInt()]{% endif %}
+
 
 {% else %}
 {% for name, document in leaf.buffer|items %}
@@ -42,14 +43,73 @@ public class ReadingBuffer {
 {% endfor %}
 {% endfor %}
     /** The latest change that was decided. Allocates when it is another one than before. */
-    public val event: FieldEvent? get() = event(slots, 0, latestEvent).also { latestEvent = it }
+    public val event: FieldEvent?
+        get() {
+            val kind = FieldEventKind.entries.getOrNull(slots[EVENT].toInt())
+            val sinceNs = whole(EVENT_TIMES)
+            val decidedNs = whole(EVENT_TIMES + 2)
+            val isSame = latestEvent.let { it != null && it.kind == kind && it.sinceNs == sinceNs && it.decidedNs == decidedNs }
+            if (!isSame) latestEvent = kind?.let { FieldEvent(it, sinceNs = sinceNs, decidedNs = decidedNs) }
+            return latestEvent
+        }
     private var latestEvent: FieldEvent? = null
 
     /** What the compensator is doing, and why. Allocates for a status that carries data. */
-    public val status: CompensationStatus get() = status(slots)
+    public val status: CompensationStatus
+        get() = when (val kind = slots[STATUS].toInt()) {
+{% for case in by_name.Status.cases %}
+            {{ case.code }} -> {{ made(by_name.Status, case) }}
+{% endfor %}
+            else -> error("status $kind: the library's native part is of another version")
+        }
 
     /** The same as an immutable record. */
-    public fun toReading(): MagneticReading = reading(slots, 0, timeNs, event, status)
+    public fun toReading(): MagneticReading = reading(timeNs, event, status)
+
+    /** The numbers with another time, event and status. */
+    internal fun reading(timeNs: Long, event: FieldEvent?, status: CompensationStatus): MagneticReading = MagneticReading(
+        timeNs = timeNs,
+{% for field in reading.fields %}
+{% set first = field.leaves[0] %}
+{% set number = "slots[" ~ first.slot ~ "]" %}
+        {{ field.name|camel }} = {% if field.kind == "vector" %}vector({{ first.slot }}){% elif field.kind == "real" %}known({{ number }}){% elif field.kind == "count" %}{{ number }}.toInt(){% elif field.kind == "share" %}{{ number }}{% else %}{{ field.name|camel }}{{ "()" if field.parts }}{% endif %},
+{% endfor %}
+        event = event,
+        status = status,
+    )
+
+{% for field in reading.fields if field.parts %}
+    private fun {{ field.name|camel }}(): {{ field.kind|app }}? = known(slots[{{ field.leaves[0].slot }}])?.let {
+        {{ field.kind|app }}(
+{% for leaf in field.leaves %}
+            {{ leaf.name|camel }} = {% if loop.first %}it{% elif leaf.none %}known(slots[{{ leaf.slot }}]){% else %}slots[{{ leaf.slot }}]{% endif %},
+{% endfor %}
+        )
+    }
+
+{% endfor %}
+{% for one in [by_name.Missing, by_name.HoldReason, by_name.RejectReason] %}
+    private fun {{ one.name|camel }}(): {{ one.name|app }} =
+        when (val reason = slots[REASON].toInt()) {
+{% for case in one.cases %}
+            {{ case.code }} -> {{ made(one, case) }}
+{% endfor %}
+            else -> error("{{ one.name|snake|replace("_", " ") }} $reason: the library's native part is of another version")
+        }
+
+{% endfor %}
+    private fun fitProblem(): FitProblem =
+        when (val problem = slots[FIT_PROBLEM].toInt()) {
+{% for case in by_name.FitProblem.cases %}
+            {{ case.code }} -> {{ made(by_name.FitProblem, case) }}
+{% endfor %}
+            else -> error("fit problem $problem: the library's native part is of another version")
+        }
+
+    private fun vector(at: Int): DeviceVector? = if (slots[at].isNaN()) null else DeviceVector(slots[at], slots[at + 1], slots[at + 2])
+
+    /** A whole number from its upper and lower 32 bits. */
+    private fun whole(at: Int): Long = (slots[at].toLong() shl 32) or slots[at + 1].toLong()
 
     internal companion object {
 {% for leaf in reading.leaves if "+" not in leaf.slot %}
@@ -65,82 +125,6 @@ public class ReadingBuffer {
         const val WHOLE = {{ n + 11 }}
         const val POINTING = {{ n + 15 }}
 
-        /** The numbers of a reading but for event and status. */
-        const val NUMBERS = {{ n }}
-
-{% for field in reading.fields if field.parts %}
-        fun {{ field.name|camel }}(slots: DoubleArray, at: Int = 0): {{ field.kind|app }}? = known(slots[at + {{ field.leaves[0].slot }}])?.let {
-            {{ field.kind|app }}(
-{% for leaf in field.leaves %}
-                {{ leaf.name|camel }} = {% if loop.first %}it{% elif leaf.none %}known(slots[at + {{ leaf.slot }}]){% else %}slots[at + {{ leaf.slot }}]{% endif %},
-{% endfor %}
-            )
-        }
-
-{% endfor %}
-        fun reading(slots: DoubleArray, at: Int, timeNs: Long): MagneticReading = reading(slots, at, timeNs, event(slots, at), status(slots, at))
-
-        /** Of [slots] the [NUMBERS] alone are read. */
-        fun reading(slots: DoubleArray, at: Int, timeNs: Long, event: FieldEvent?, status: CompensationStatus): MagneticReading = MagneticReading(
-            timeNs = timeNs,
-{% for field in reading.fields %}
-{% set first = field.leaves[0] %}
-{% set number = "slots[at + " ~ first.slot ~ "]" %}
-            {{ field.name|camel }} = {% if field.kind == "vector" %}vectorOrNull(slots, at + {{ first.slot }}){% elif field.kind == "real" %}known({{ number }}){% elif field.kind == "count" %}{{ number }}.toInt(){% elif field.kind == "share" %}{{ number }}{% else %}{{ field.name|camel }}(slots, at){% endif %},
-{% endfor %}
-            event = event,
-            status = status,
-        )
-
-        fun status(slots: DoubleArray, at: Int = 0): CompensationStatus {
-            val reason = slots[at + REASON].toInt()
-            return when (val kind = slots[at + STATUS].toInt()) {
-{% for case in by_name.Status.cases %}
-                {{ case.code }} -> {{ made(by_name.Status, case) }}
-{% endfor %}
-                else -> error("status $kind: the library's native part is of another version")
-            }
-        }
-
-{% for field in reading.fields if field.is_enum %}
-        private fun {{ field.name|camel }}(slots: DoubleArray, at: Int): {{ field.kind|app }}{{ "?" if field.none }} = {{ field.kind|app }}.entries{% if field.none %}.getOrNull(slots[at + {{ field.leaves[0].slot }}].toInt()){% else %}[slots[at + {{ field.leaves[0].slot }}].toInt()]{% endif %}
-
-
-{% endfor %}
-        /** [before] where it is the same. */
-        private fun event(slots: DoubleArray, at: Int, before: FieldEvent? = null): FieldEvent? {
-            val kind = FieldEventKind.entries.getOrNull(slots[at + EVENT].toInt()) ?: return null
-            val sinceNs = whole(slots, at + EVENT_TIMES)
-            val decidedNs = whole(slots, at + EVENT_TIMES + 2)
-            if (before != null && before.kind == kind && before.sinceNs == sinceNs && before.decidedNs == decidedNs) return before
-            return FieldEvent(kind, sinceNs = sinceNs, decidedNs = decidedNs)
-        }
-
-{% for one in [by_name.Missing, by_name.HoldReason, by_name.RejectReason] %}
-        private fun {{ one.name|camel }}(slots: DoubleArray, at: Int, reason: Int): {{ one.name|app }} =
-            when (reason) {
-{% for case in one.cases %}
-                {{ case.code }} -> {{ made(one, case) }}
-{% endfor %}
-                else -> error("{{ one.name|snake|replace("_", " ") }} $reason: the library's native part is of another version")
-            }
-
-{% endfor %}
-        private fun fitProblem(slots: DoubleArray, at: Int): FitProblem =
-            when (val problem = slots[at + FIT_PROBLEM].toInt()) {
-{% for case in by_name.FitProblem.cases %}
-                {{ case.code }} -> {{ made(by_name.FitProblem, case) }}
-{% endfor %}
-                else -> error("fit problem $problem: the library's native part is of another version")
-            }
-
         fun known(value: Double): Double? = if (value.isNaN()) null else value
-
-        private fun vectorOrNull(slots: DoubleArray, at: Int): DeviceVector? = if (slots[at].isNaN()) null else vector(slots, at)
-
-        fun vector(slots: DoubleArray, at: Int) = DeviceVector(slots[at], slots[at + 1], slots[at + 2])
-
-        /** A whole number from its upper and lower 32 bits. */
-        private fun whole(slots: DoubleArray, at: Int): Long = (slots[at].toLong() shl 32) or slots[at + 1].toLong()
     }
 }

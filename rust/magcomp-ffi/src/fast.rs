@@ -1,7 +1,7 @@
 //! The JNI fast path: primitives in, a caller-owned array out, no allocation in a push.
 //!
 //! `org.magcomp.core.FastPath` declares these functions; `handles` finds the object. Each answers a number: 0 or more is an
-//! answer, below 0 an error of this list. The array's layout is that of `slots`; `ReadingBuffer` in Kotlin reads it, and its test
+//! answer, below 0 an error of `flat`. The array's layout is that of `slots`; `ReadingBuffer` in Kotlin reads it, and its test
 //! compares every status with what uniffi says.
 
 // the exported names are `#[unsafe(no_mangle)]`; there is no other unsafe code here
@@ -13,18 +13,13 @@ mod slots;
 
 use crate::compensator::find;
 use crate::error::MagcompError;
-use crate::flat::{self, ACCEPTED, CLOSED};
-use crate::java::{Env, JavaArray};
+use crate::flat::{self, CLOSED};
+use crate::java::{Env, JavaDoubles};
 use crate::record::{Calibration, Coverage, Vector3};
 use jni::jni_mangle;
 use jni::sys::{jclass, jdouble, jint, jlong};
 use magcomp::Pointing;
 use magcomp::nalgebra::{Quaternion, UnitQuaternion};
-
-/// An array is too short.
-const TOO_SHORT: jint = -3;
-/// A batch holds a kind of event that does not exist.
-const NO_SUCH_KIND: jint = -4;
 
 /// Doubles in `out`.
 #[jni_mangle("org.magcomp.core.FastPath")]
@@ -47,13 +42,13 @@ pub fn push(
     bx: jdouble,
     by: jdouble,
     bz: jdouble,
-    out: JavaArray<jdouble>,
+    out: JavaDoubles,
 ) -> jint {
     let Some(compensator) = find(handle) else { return CLOSED };
     match flat::push(&compensator, time_ns, Vector3 { x, y, z }, Vector3 { x: bx, y: by, z: bz }) {
         Ok(reading) => {
             // the JVM checks the length, and throws IndexOutOfBoundsException
-            out.write(env, 0, &slots::of(&reading));
+            out.write(env, &slots::of(&reading));
             reading.0.status.kind
         }
         Err(code) => code,
@@ -63,16 +58,9 @@ pub fn push(
 /// Of the heading that a reading has in a frame, by the four numbers of its attitude and the five of `Pointing`: the angle from magnetic north, its
 /// sigma, the angle from true north, and the attitude's sigma, degrees, NaN where they are not known.
 #[jni_mangle("org.magcomp.core.FastPath")]
-pub fn heading(
-    env: Env,
-    _class: jclass,
-    numbers: JavaArray<jdouble>,
-    axis: jint,
-    rotation: jint,
-    which: jint,
-) -> jdouble {
+pub fn heading(env: Env, _class: jclass, numbers: JavaDoubles, axis: jint, rotation: jint, which: jint) -> jdouble {
     let mut it = [f64::NAN; 9];
-    numbers.read(env, 0, &mut it);
+    numbers.read(env, &mut it);
     let [w, x, y, z, lean, across_rad2, tilt_sigma_deg, common_rad2, declination_deg] = it;
     let known = |it: f64| (!it.is_nan()).then_some(it);
     let to_world = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
@@ -127,75 +115,14 @@ pub fn push_up(_env: Env, _class: jclass, handle: jlong, time_ns: jlong, x: jdou
     find(handle).map_or(CLOSED, |to| flat::push_up(&to, time_ns, Vector3 { x, y, z }))
 }
 
-/// Events of a batch, as `kinds` says.
-mod kind {
-    pub(super) const MAGNETIC: i8 = 0;
-    pub(super) const ROTATION_RATE: i8 = 1;
-    pub(super) const UP: i8 = 2;
-}
-
-const NOT_REPORTED: Vector3 = Vector3 { x: f64::NAN, y: f64::NAN, z: f64::NAN };
-
-/// Events carried over at a time: on the stack, so that a batch of any length allocates nothing.
-const CHUNK: usize = 64;
-
-/// Many events in the order they happened: kinds, times and three values each. Every magnetic one fills the next
-/// reading of `out`. Answers how many readings were written.
-#[jni_mangle("org.magcomp.core.FastPath")]
-pub fn push_batch(
-    env: Env,
-    _class: jclass,
-    handle: jlong,
-    kinds: JavaArray<i8>,
-    times_ns: JavaArray<jlong>,
-    values: JavaArray<jdouble>,
-    out: JavaArray<jdouble>,
-) -> jint {
-    let Some(compensator) = find(handle) else { return CLOSED };
-    let events = kinds.len(env);
-    let room = out.len(env) / slots::COUNT;
-    if times_ns.len(env) < events || values.len(env) < 3 * events {
-        return TOO_SHORT;
-    }
-    let (mut kind, mut time_ns, mut value) = ([0_i8; CHUNK], [0_i64; CHUNK], [0.0_f64; 3 * CHUNK]);
-    let mut readings = 0;
-    for first in (0..events).step_by(CHUNK) {
-        let n = CHUNK.min(events - first);
-        kinds.read(env, first, &mut kind[..n]);
-        times_ns.read(env, first, &mut time_ns[..n]);
-        values.read(env, 3 * first, &mut value[..3 * n]);
-        for k in 0..n {
-            let xyz = Vector3 { x: value[3 * k], y: value[3 * k + 1], z: value[3 * k + 2] };
-            let code = match kind[k] {
-                kind::MAGNETIC if readings == room => TOO_SHORT,
-                kind::MAGNETIC => match flat::push(&compensator, time_ns[k], xyz, NOT_REPORTED) {
-                    Ok(reading) => {
-                        out.write(env, readings * slots::COUNT, &slots::of(&reading));
-                        readings += 1;
-                        ACCEPTED
-                    }
-                    Err(code) => code,
-                },
-                kind::ROTATION_RATE => flat::push_rotation_rate(&compensator, time_ns[k], xyz),
-                kind::UP => flat::push_up(&compensator, time_ns[k], xyz),
-                _ => NO_SUCH_KIND,
-            };
-            if code < 0 {
-                return code;
-            }
-        }
-    }
-    readings as jint
-}
-
 /// The calibration in force: xx, yy, zz, xy, xz, yz of the soft iron, the hard iron and the field's strength, uT. Answers 1, or 0 where
 /// there is none, which leaves `out` as it was.
 #[jni_mangle("org.magcomp.core.FastPath")]
-pub fn calibration(env: Env, _class: jclass, handle: jlong, out: JavaArray<jdouble>) -> jint {
+pub fn calibration(env: Env, _class: jclass, handle: jlong, out: JavaDoubles) -> jint {
     let Some(compensator) = find(handle) else { return CLOSED };
     answered(compensator.calibration(), |calibration| {
         let Some(Calibration { soft_iron: m, hard_iron_ut: b, field_strength_ut }) = calibration else { return 0 };
-        out.write(env, 0, &[m.xx, m.yy, m.zz, m.xy, m.xz, m.yz, b.x, b.y, b.z, field_strength_ut]);
+        out.write(env, &[m.xx, m.yy, m.zz, m.xy, m.xz, m.yz, b.x, b.y, b.z, field_strength_ut]);
         1
     })
 }
@@ -203,27 +130,14 @@ pub fn calibration(env: Env, _class: jclass, handle: jlong, out: JavaArray<jdoub
 /// The share of the directions that were seen, then three numbers for each that was not. Answers how many these are; an `out` that
 /// is too short throws.
 #[jni_mangle("org.magcomp.core.FastPath")]
-pub fn coverage(env: Env, _class: jclass, handle: jlong, out: JavaArray<jdouble>) -> jint {
+pub fn coverage(env: Env, _class: jclass, handle: jlong, out: JavaDoubles) -> jint {
     let Some(compensator) = find(handle) else { return CLOSED };
     answered(compensator.coverage(), |Coverage { share, unseen_directions }| {
         // at once: after a write that throws nothing may be called but what clears it
         let numbers: Vec<f64> =
             std::iter::once(share).chain(unseen_directions.iter().flat_map(|v| [v.x, v.y, v.z])).collect();
-        out.write(env, 0, &numbers);
+        out.write(env, &numbers);
         unseen_directions.len() as jint
-    })
-}
-
-/// The text to keep, in ASCII. Answers how long it is, 0 where there is nothing to keep; an `out` that is shorter stays as it was.
-#[jni_mangle("org.magcomp.core.FastPath")]
-pub fn keep(env: Env, _class: jclass, handle: jlong, unix_time_s: jlong, out: JavaArray<i8>) -> jint {
-    let Some(compensator) = find(handle) else { return CLOSED };
-    answered(compensator.keep(unix_time_s), |text| {
-        let bytes: Vec<i8> = text.unwrap_or_default().bytes().map(u8::cast_signed).collect();
-        if bytes.len() <= out.len(env) {
-            out.write(env, 0, &bytes);
-        }
-        bytes.len() as jint
     })
 }
 
@@ -252,10 +166,10 @@ mod hooks {
         constant: bool,
         n_min: jint,
         step_ns: jlong,
-        values: JavaArray<jdouble>,
+        values: JavaDoubles,
     ) -> jlong {
         let mut samples = vec![0.0; values.len(env)];
-        values.read(env, 0, &mut samples);
+        values.read(env, &mut samples);
         let method = if constant { magcomp::Method::Constant } else { magcomp::Method::Windowed };
         let windowed = magcomp::WindowedConfig { n_min: n_min as usize, ..Default::default() };
         let initial = constant.then(|| magcomp::Calibration::identity(50.0).unwrap());

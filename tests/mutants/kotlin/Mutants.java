@@ -28,7 +28,7 @@ import org.junit.platform.launcher.core.LauncherFactory;
 
 /**
  * Breaks the Kotlin library on purpose, one patch of patches.txt at a time in a copy, and expects the tests that the patch names to fail. One
- * compiler, kept warm, compiles the patched module alone; each patch's tests run in a process of their own, two at a time. tests/mutants.sh starts it.
+ * compiler, kept warm, compiles the patched file alone, or its module; each patch's tests run in a process of their own, two at a time. tests/mutants.sh starts it.
  */
 public class Mutants {
     record Patch(String file, List<String> tests, String what, String old, String with) {}
@@ -38,10 +38,9 @@ public class Mutants {
     private static final Path ROOT = Path.of(System.getProperty("repository.root"));
     private static final Path WORK = Path.of(System.getProperty("work"));
     private static final Path ANDROID = ROOT.resolve("android");
-    private static final String FRIENDS = "-Xfriend-paths=" + ANDROID.resolve("bindings/target/classes");
     private static final List<Module> MODULES = List.of(
         new Module("bindings", List.of("android/bindings/src/main/kotlin", "bindings/kotlin"), List.of()),
-        new Module("library", List.of("android/library/src/main/kotlin"), List.of(FRIENDS)),
+        new Module("library", List.of("android/library/src/main/kotlin"), List.of()),
         new Module("compose", List.of("android/compose/src/main/kotlin", "android/compose/src/maven/kotlin"),
             List.of("-Xplugin=" + System.getProperty("compose.plugin"))),
         new Module("sample", List.of("android/sample/src/main/kotlin", "android/compose/src/main/kotlin", "android/compose/src/maven/kotlin"),
@@ -106,14 +105,18 @@ public class Mutants {
             if (at < 0 || text.indexOf(patch.old, at + 1) >= 0) {
                 throw new IllegalStateException(patch.file + ": what '" + patch.what + "' takes out is not there exactly once: " + patch.old);
             }
-            sources.put(file, text.substring(0, at) + patch.with + text.substring(at + patch.old.length()));
-            Path classes = compile(module, sources, patch);
+            String broken = text.substring(0, at) + patch.with + text.substring(at + patch.old.length());
+            sources.put(file, broken);
+            Path classes = compile(module, COPIED_BY_OTHERS.matcher(broken).find() ? sources : Map.of(file, broken), patch);
             Module of = MODULES.stream().filter(it -> classOf(it, patch.tests.get(0)) != null).findFirst()
                 .orElseThrow(() -> new IllegalStateException("no test class " + patch.tests));
             return run(of, classes, patch.tests);
         }
         throw new IllegalStateException("no source " + patch.file + ".kt");
     }
+
+    /** What stands in the classes of other files too: an inline function, and a class of several files. A file without is compiled alone. */
+    private static final Pattern COPIED_BY_OTHERS = Pattern.compile("^ *(internal |public )?inline |JvmMultifileClass", Pattern.MULTILINE);
 
     /** As they were when all began: who edits meanwhile changes nothing here. */
     private static final Map<Module, Map<Path, String>> READ = new LinkedHashMap<>();
@@ -140,13 +143,19 @@ public class Mutants {
             files.add(copy.toString());
         }
         var arguments = new ArrayList<>(List.of("-d", classes.toString(), "-module-name", "magcomp-" + module.name, "-jvm-target", "1.8", "-nowarn",
-            "-no-stdlib", "-no-reflect", "-Xexplicit-api=disable", "-cp", classpath(module)));
+            "-no-stdlib", "-no-reflect", "-Xexplicit-api=disable", "-cp", classpath(module), friends(module)));
         arguments.addAll(module.options);
         arguments.addAll(files);
         var said = new ByteArrayOutputStream();
         ExitCode code = new K2JVMCompiler().exec(new PrintStream(said), arguments.toArray(new String[0]));
         if (code != ExitCode.OK) throw new IllegalStateException("'" + patch.what + "' does not compile:\n" + said);
         return classes;
+    }
+
+    /** Whose internal names it sees: those of its own other files, and of the bindings, as in the published AAR. */
+    private static String friends(Module module) {
+        return Stream.of(module.name, "bindings").distinct().map(it -> ANDROID.resolve(it + "/target/classes").toString())
+            .collect(Collectors.joining(",", "-Xfriend-paths=", ""));
     }
 
     private static String classpath(Module module) {

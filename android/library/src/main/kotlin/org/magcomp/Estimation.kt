@@ -44,7 +44,7 @@ internal class Estimation(
     private var lookedNs: Long? = null
     private var latestNs = Long.MIN_VALUE
     private var begun = false
-    private val vertical = Vertical()
+    private var vertical = Vertical()
 
     /** The latest sensors in use, where the source knows them, and what is told of them. */
     private var sensors: SensorsInUse? = null
@@ -74,7 +74,7 @@ internal class Estimation(
         begun = true
         sensors = null
         stream = StreamStatus.Live
-        vertical.begin()
+        vertical = Vertical()
     }
 
     /** What the latest events have taught of turns and of the vertical is wrong. */
@@ -117,7 +117,7 @@ internal class Estimation(
         buffer.slots.fill(Double.NaN, 0, ReadingBuffer.SIGMA_T)
         for (slot in OF_SAMPLES) buffer.slots[slot] = Double.NaN
         buffer.slots[ReadingBuffer.MODEL_ORDER] = -1.0
-        val reading = ReadingBuffer.reading(buffer.slots, 0, timeNs, if (isFirst) null else buffer.event, NOTHING)
+        val reading = buffer.reading(timeNs, if (isFirst) null else buffer.event, NOTHING)
         to.tell(Answer(timeNs, NOTHING, reading.event, null, around(stream), Answer.Record(reading, MagneticSample(timeNs, NOWHERE))))
     }
 
@@ -257,18 +257,17 @@ internal class Estimation(
         return true
     }
 
-    private fun correction() = compensator.calibration()?.let { Correction(it.softIron, it.hardIronUt) }
+    private fun correction() = compensator.calibration()?.let(::Correction)
 
     /** What corrects a sample: of a calibration all but the field strength, which follows the noise of a device at rest. */
-    private class Correction(private val softIron: SoftIron, private val hardIronUt: DeviceVector) {
+    private class Correction(of: MagnetometerCalibration) {
+        private val softIron = of.softIron.run { listOf(xx, yy, zz, xy, xz, yz) }
+        private val hardIronUt = of.hardIronUt.run { listOf(x, y, z) }
+
         /** Whether both correct a sample of the Earth's field to the same, as a phone's magnetometer resolves it; at rest it wanders by less. */
-        fun isNear(other: Correction): Boolean {
-            val (one, two) = Pair(softIron, other.softIron)
-            val soft = listOf(one.xx - two.xx, one.yy - two.yy, one.zz - two.zz, one.xy - two.xy, one.xz - two.xz, one.yz - two.yz)
-            val (here, there) = Pair(hardIronUt, other.hardIronUt)
-            val hardUt = listOf(here.x - there.x, here.y - there.y, here.z - there.z)
-            return soft.all { abs(it) <= SAME_SOFT_IRON } && hardUt.all { abs(it) <= SAME_UT }
-        }
+        fun isNear(other: Correction): Boolean = softIron.isNear(other.softIron, SAME_SOFT_IRON) && hardIronUt.isNear(other.hardIronUt, SAME_UT)
+
+        private fun List<Double>.isNear(others: List<Double>, within: Double) = indices.all { abs(this[it] - others[it]) <= within }
 
         private companion object {
             /** A phone's magnetometer resolves 0.1 uT and more. */
@@ -319,12 +318,6 @@ private class Vertical {
     /** The latest sample that had one, or else the first of the run. */
     private var pairedNs = NEVER
     private var latestNs = NEVER
-
-    fun begin() {
-        upNs = NEVER
-        pairedNs = NEVER
-        latestNs = NEVER
-    }
 
     fun up(timeNs: Long) {
         upNs = timeNs

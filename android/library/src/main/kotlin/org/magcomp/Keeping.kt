@@ -49,21 +49,12 @@ internal class Keeping<T : Any>(private val store: CalibrationStore, private val
         val before = synchronized(this) { latest }
         val job = scope.launch(start = CoroutineStart.LAZY) {
             before?.join()
-            told(what)
+            // whatever a store throws: nobody above would hear of it before the app ended
+            error = runCatching(what).exceptionOrNull()?.asException()
         }
         synchronized(this) { latest = job }
         // outside: the store may be called in it
         job.start()
-    }
-
-    /** Whatever a store throws: nobody above would hear of it before the app ended. */
-    private fun told(what: () -> Unit) {
-        error = try {
-            what()
-            null
-        } catch (e: Throwable) {
-            e.asException()
-        }
     }
 }
 

@@ -34,21 +34,15 @@ public class Orientation internal constructor(public val azimuthDeg: Double, pub
 @JvmOverloads
 public fun DeviceAttitude.orientation(screenRotation: ScreenRotation = ScreenRotation.DEG0): Orientation {
     val r = rows()
-    // right and top of the screen, in the columns of the device's x and y
-    fun x(row: Int) = r[3 * row]
-    fun y(row: Int) = r[3 * row + 1]
-    fun right(row: Int) = when (screenRotation) {
-        ScreenRotation.DEG0 -> x(row)
-        ScreenRotation.DEG90 -> -y(row)
-        ScreenRotation.DEG180 -> -x(row)
-        ScreenRotation.DEG270 -> y(row)
+    // the screen's right and top are the device's x and y, turned
+    val (cosine, sine) = when (screenRotation) {
+        ScreenRotation.DEG0 -> Pair(1, 0)
+        ScreenRotation.DEG90 -> Pair(0, 1)
+        ScreenRotation.DEG180 -> Pair(-1, 0)
+        ScreenRotation.DEG270 -> Pair(0, -1)
     }
-    fun top(row: Int) = when (screenRotation) {
-        ScreenRotation.DEG0 -> y(row)
-        ScreenRotation.DEG90 -> x(row)
-        ScreenRotation.DEG180 -> -y(row)
-        ScreenRotation.DEG270 -> -x(row)
-    }
+    fun right(row: Int) = cosine * r[3 * row] - sine * r[3 * row + 1]
+    fun top(row: Int) = sine * r[3 * row] + cosine * r[3 * row + 1]
     return Orientation(
         azimuthDeg = Math.toDegrees(atan2(top(0), top(1))),
         // rounding may take it beyond 1

@@ -8,7 +8,7 @@ import java.io.OutputStream
 import java.util.zip.GZIPOutputStream
 import kotlin.math.abs
 import kotlinx.coroutines.Dispatchers
-import kotlinx.coroutines.flow.first
+import kotlinx.coroutines.flow.firstOrNull
 import kotlinx.coroutines.withContext
 
 /**
@@ -48,12 +48,10 @@ internal suspend fun MagneticFieldSource.record(file: File, mostBytes: Long, now
             fun write(event: RawEvent) {
                 if (!isFull) isFull = !rows.write(event)
             }
-            events({ rows.sensors = it }, ::write).first {
+            events({ rows.sensors = it }, ::write).firstOrNull {
                 write(it)
                 isFull
             }
-        } catch (_: NoSuchElementException) {
-            // the source has ended
         } finally {
             rows.end()
         }

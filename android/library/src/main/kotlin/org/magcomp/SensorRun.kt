@@ -4,6 +4,8 @@ import android.hardware.Sensor
 import android.hardware.SensorEvent
 import android.hardware.SensorEventListener
 import android.hardware.SensorManager
+import android.os.Handler
+import android.os.HandlerThread
 import kotlinx.coroutines.CompletableDeferred
 import kotlinx.coroutines.flow.MutableStateFlow
 import kotlinx.coroutines.flow.update
@@ -45,7 +47,9 @@ internal class SensorRun(
     private val sleep: Sleep,
     private val continuousNs: () -> Long,
 ) {
-    private val thread = SensorThread()
+    /** Events are delivered and estimated there: no work of the app holds it up. */
+    private val thread = HandlerThread("magcomp").apply { start() }
+    private val handler = Handler(thread.looper)
     private val listener = Listener()
 
     /** The array is replaced, never changed. */
@@ -95,16 +99,15 @@ internal class SensorRun(
             end()
             throw e
         }
-        thread.every((SILENCE_MS + options.maxReportLatencyUs / 1000 + 1000 / options.slowestHz) / LOOKS) {
-            if (seats.isNotEmpty()) look()
-        }
+        lookOn()
         publish()
     }
 
     fun end() {
         hasEnded = true
         manager.unregisterListener(listener)
-        thread.end()
+        // what is delivered already is done first, if this is asked elsewhere
+        thread.quitSafely()
     }
 
     fun add(seat: Seat) {
@@ -129,7 +132,7 @@ internal class SensorRun(
         val rateHz = options.rateHz(sensor.type)
         val periodUs = 1_000_000 / rateHz
         val accepted = try {
-            manager.registerListener(listener, sensor, periodUs, options.maxReportLatencyUs, thread.handler)
+            manager.registerListener(listener, sensor, periodUs, options.maxReportLatencyUs, handler)
         } catch (e: SecurityException) {
             if (rateHz > SensorManagerSource.FREE_RATE_HZ) throw SensorException.PermissionMissing(SensorManagerSource.HIGH_RATE, e)
             throw SensorException.Refused(nameOf(sensor.type), e.message, e, "let the app use this phone's sensors")
@@ -138,6 +141,18 @@ internal class SensorRun(
             throw SensorException.Refused(nameOf(sensor.type), e.message, e)
         }
         if (!accepted) throw SensorException.Refused(nameOf(sensor.type))
+    }
+
+    /** Looks again and again until the thread ends. This clock stands while the phone sleeps. */
+    private fun lookOn() {
+        val periodMs = (SILENCE_MS + options.maxReportLatencyUs / 1000 + 1000 / options.slowestHz) / LOOKS
+        handler.postDelayed(
+            {
+                if (seats.isNotEmpty()) look()
+                lookOn()
+            },
+            periodMs,
+        )
     }
 
     /** Looks which sensors have delivered nothing since the look before, and tells who has been silent for so many. */

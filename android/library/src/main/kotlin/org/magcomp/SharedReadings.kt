@@ -80,15 +80,9 @@ internal class SharedReadings(
             private set
 
         val job = scope.launch(start = CoroutineStart.LAZY) {
-            val error = try {
-                oneAtATime.withLock { readings(this@Run) }
-                null
-            } catch (e: Throwable) {
-                // even a CancellationException, such as a source's own timeout, which would end this coroutine without a word; even an Error,
-                // which would leave collectors waiting
-                e
-            }
-            end(error)
+            // even a CancellationException, such as a source's own timeout, which would end this coroutine without a word; even an Error, which
+            // would leave collectors waiting
+            end(runCatching { oneAtATime.withLock { readings(this@Run) } }.exceptionOrNull())
             withContext(NonCancellable) { onEnd() }
         }.apply {
             // one that is closed before it has begun ends without a line of it
@@ -96,12 +90,7 @@ internal class SharedReadings(
         }
 
         /** Also for who comes back within the grace time. */
-        override val isWholeWanted: Boolean
-            get() {
-                val now = boxes
-                for (box in now) if (box.isWhole) return true
-                return now.isEmpty()
-            }
+        override val isWholeWanted: Boolean get() = boxes.let { now -> now.isEmpty() || now.any { it.isWhole } }
 
         /** A box for another collector, with the latest answer where that is still true. */
         fun open(isWhole: Boolean): Box = synchronized(this) {

@@ -1,67 +1,77 @@
 // made by bindings/generate.sh from bindings/status.toml
+@file:JvmName("Texts")
+@file:JvmMultifileClass
+
 package org.magcomp
 
+import android.content.res.Resources
 import kotlin.math.abs
 import org.magcomp.core.*
 
-internal fun CompensationStatus.text(strings: Strings): String = when (this) {
-    is CompensationStatus.Collecting -> strings.say(R.string.magcomp_status_collecting, missing.text(strings))
-    CompensationStatus.Tracking -> strings.say(R.string.magcomp_status_tracking)
-    is CompensationStatus.Suspect -> strings.say(R.string.magcomp_status_suspect)
-    is CompensationStatus.Held -> strings.say(R.string.magcomp_status_held, reason.text(strings))
-    is CompensationStatus.Disturbed -> strings.say(R.string.magcomp_status_disturbed)
-    is CompensationStatus.Rejected -> strings.say(R.string.magcomp_status_rejected, reason.text(strings))
+/**
+ * One sentence that an app may show, in the language of [resources]. An app translates or rewords it with a string resource of the same
+ * name. In English it is the sentence of `text()`, without a call into the native library.
+ */
+public fun CompensationStatus.text(resources: Resources): String = when (this) {
+    is CompensationStatus.Collecting -> resources.getString(R.string.magcomp_status_collecting, missing.text(resources))
+    CompensationStatus.Tracking -> resources.getString(R.string.magcomp_status_tracking)
+    is CompensationStatus.Suspect -> resources.getString(R.string.magcomp_status_suspect)
+    is CompensationStatus.Held -> resources.getString(R.string.magcomp_status_held, reason.text(resources))
+    is CompensationStatus.Disturbed -> resources.getString(R.string.magcomp_status_disturbed)
+    is CompensationStatus.Rejected -> resources.getString(R.string.magcomp_status_rejected, reason.text(resources))
 }
 
-internal fun CollectingReason.text(strings: Strings): String = when (this) {
-    is CollectingReason.Samples -> strings.say(R.string.magcomp_missing_samples, have, need)
-    is CollectingReason.Fit -> problem.text(strings)
-    CollectingReason.Rotation -> strings.say(R.string.magcomp_missing_rotation)
-    CollectingReason.Directions -> strings.say(R.string.magcomp_missing_directions)
+internal fun CollectingReason.text(resources: Resources): String = when (this) {
+    is CollectingReason.Samples -> resources.getString(R.string.magcomp_missing_samples, have, need)
+    is CollectingReason.Fit -> problem.text(resources)
+    CollectingReason.Rotation -> resources.getString(R.string.magcomp_missing_rotation)
+    CollectingReason.Directions -> resources.getString(R.string.magcomp_missing_directions)
 }
 
-internal fun HoldReason.text(strings: Strings): String = when (this) {
-    HoldReason.LowUniformity -> strings.say(R.string.magcomp_held_low_uniformity)
-    is HoldReason.FitRefused -> problem.text(strings)
-    HoldReason.Constant -> strings.say(R.string.magcomp_held_constant)
-    HoldReason.AtRest -> strings.say(R.string.magcomp_held_at_rest)
-    HoldReason.TooLittleRotation -> strings.say(R.string.magcomp_held_too_little_rotation)
-    HoldReason.NoGyroscope -> strings.say(R.string.magcomp_held_no_gyroscope)
+internal fun HoldReason.text(resources: Resources): String = when (this) {
+    HoldReason.LowUniformity -> resources.getString(R.string.magcomp_held_low_uniformity)
+    is HoldReason.FitRefused -> problem.text(resources)
+    HoldReason.Constant -> resources.getString(R.string.magcomp_held_constant)
+    HoldReason.AtRest -> resources.getString(R.string.magcomp_held_at_rest)
+    HoldReason.TooLittleRotation -> resources.getString(R.string.magcomp_held_too_little_rotation)
+    HoldReason.NoGyroscope -> resources.getString(R.string.magcomp_held_no_gyroscope)
 }
 
-internal fun RejectReason.text(strings: Strings): String = when (this) {
-    RejectReason.NotFinite -> strings.say(R.string.magcomp_rejected_not_finite)
-    is RejectReason.OutOfRange -> strings.say(R.string.magcomp_rejected_out_of_range, valueUt, limitUt)
-    is RejectReason.Saturated -> strings.say(R.string.magcomp_rejected_saturated, axis.name.lowercase(), valueUt, railUt)
-    is RejectReason.TimeNotAfter -> strings.say(R.string.magcomp_rejected_time_not_after, timeNs, latestNs)
-    is RejectReason.TimeJump -> strings.say(R.string.magcomp_rejected_time_jump, gapS, limitS)
-    is RejectReason.Stuck -> strings.say(R.string.magcomp_rejected_stuck, repeats)
-    is RejectReason.Axes -> strings.say(R.string.magcomp_rejected_axes, listOf(x, y, z).joinToString(",", transform = ::typed))
+internal fun RejectReason.text(resources: Resources): String = when (this) {
+    RejectReason.NotFinite -> resources.getString(R.string.magcomp_rejected_not_finite)
+    is RejectReason.OutOfRange -> resources.getString(R.string.magcomp_rejected_out_of_range, valueUt, limitUt)
+    is RejectReason.Saturated -> resources.getString(R.string.magcomp_rejected_saturated, axis.name.lowercase(), valueUt, railUt)
+    is RejectReason.TimeNotAfter -> resources.getString(R.string.magcomp_rejected_time_not_after, timeNs, latestNs)
+    is RejectReason.TimeJump -> resources.getString(R.string.magcomp_rejected_time_jump, gapS, limitS)
+    is RejectReason.Stuck -> resources.getString(R.string.magcomp_rejected_stuck, repeats)
+    is RejectReason.Axes -> resources.getString(R.string.magcomp_rejected_axes, listOf(x, y, z).joinToString(",", transform = ::typed))
 }
 
-internal fun FitProblem.text(strings: Strings): String = when (this) {
-    is FitProblem.TooFewSamples -> strings.say(R.string.magcomp_fit_too_few_samples, have)
-    is FitProblem.Planar -> strings.say(R.string.magcomp_fit_planar, thicknessUt)
-    is FitProblem.PoorCoverage -> strings.say(R.string.magcomp_fit_poor_coverage, directionSigmaDeg, limitDeg)
-    is FitProblem.Inconsistent -> strings.say(R.string.magcomp_fit_inconsistent, residualUt, limitUt)
-    FitProblem.NotAnEllipsoid -> strings.say(R.string.magcomp_fit_not_an_ellipsoid)
-    is FitProblem.FieldOutOfRange -> strings.say(R.string.magcomp_fit_field_out_of_range, fieldUt, lowUt, highUt)
-    FitProblem.NotFinite -> strings.say(R.string.magcomp_fit_not_finite)
+internal fun FitProblem.text(resources: Resources): String = when (this) {
+    is FitProblem.TooFewSamples -> resources.getString(R.string.magcomp_fit_too_few_samples, have)
+    is FitProblem.Planar -> resources.getString(R.string.magcomp_fit_planar, thicknessUt)
+    is FitProblem.PoorCoverage -> resources.getString(R.string.magcomp_fit_poor_coverage, directionSigmaDeg, limitDeg)
+    is FitProblem.Inconsistent -> resources.getString(R.string.magcomp_fit_inconsistent, residualUt, limitUt)
+    FitProblem.NotAnEllipsoid -> resources.getString(R.string.magcomp_fit_not_an_ellipsoid)
+    is FitProblem.FieldOutOfRange -> resources.getString(R.string.magcomp_fit_field_out_of_range, fieldUt, lowUt, highUt)
+    FitProblem.NotFinite -> resources.getString(R.string.magcomp_fit_not_finite)
 }
 
 /** An axis as one types it: `-x`. What is none is the nearest, as in the core's own text. */
 private fun typed(axis: Int): String = (if (axis < 0) "-" else "") + "xyz"[abs(axis).coerceIn(1, 3) - 1]
 
-internal fun FieldEvent.text(strings: Strings): String {
+/** One sentence an app may show of a change that was decided, in the language of [resources]. */
+public fun FieldEvent.text(resources: Resources): String {
     val id = when (kind) {
         FieldEventKind.DEVICE_STEP -> R.string.magcomp_event_device_step
         FieldEventKind.DEVICE_STEP_BACK -> R.string.magcomp_event_device_step_back
         FieldEventKind.PLACE_CHANGED -> R.string.magcomp_event_place_changed
     }
-    return strings.say(id, (decidedNs.toDouble() - sinceNs.toDouble()) * 1e-9)
+    return resources.getString(id, (decidedNs.toDouble() - sinceNs.toDouble()) * 1e-9)
 }
 
-internal fun HeadingAid.text(strings: Strings): String = strings.say(
+/** One sentence an app may show of what headings from outside are worth, in the language of [resources]. */
+public fun HeadingAid.text(resources: Resources): String = resources.getString(
     when (this) {
         HeadingAid.USED -> R.string.magcomp_aid_used
         HeadingAid.LEADS -> R.string.magcomp_aid_leads
@@ -69,7 +79,8 @@ internal fun HeadingAid.text(strings: Strings): String = strings.say(
     },
 )
 
-internal fun CompensationStatus.guidance(): Int? = when (this) {
+/** What the user can do for a better heading, in the language of [resources]; null if there is nothing to do. */
+public fun CompensationStatus.guidance(resources: Resources): String? = when (this) {
     is CompensationStatus.Collecting -> when (missing) {
         is CollectingReason.Samples -> R.string.magcomp_guidance_pick_up
         is CollectingReason.Fit -> R.string.magcomp_guidance_eight
@@ -88,4 +99,4 @@ internal fun CompensationStatus.guidance(): Int? = when (this) {
     }
     is CompensationStatus.Disturbed -> R.string.magcomp_guidance_walk_away
     is CompensationStatus.Rejected -> null
-}
+}?.let(resources::getString)

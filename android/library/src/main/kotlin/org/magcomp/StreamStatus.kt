@@ -30,16 +30,7 @@ public sealed class StreamStatus {
      *
      * @property sensors the silent ones, at least one
      */
-    public class Silent(public val sensors: Set<PhoneSensor>) : StreamStatus() {
-        /** Whether the other one names the same sensors. */
-        override fun equals(other: Any?): Boolean = other is Silent && sensors == other.sensors
-
-        /** That of the sensors. */
-        override fun hashCode(): Int = sensors.hashCode()
-
-        /** For logs. */
-        override fun toString(): String = "Silent($sensors)"
-    }
+    public data class Silent(public val sensors: Set<PhoneSensor>) : StreamStatus()
 
     /**
      * For a second no sample had an event of gravity or accelerometer near its own time: none came, or its times are of another clock. There

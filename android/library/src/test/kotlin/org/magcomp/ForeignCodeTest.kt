@@ -15,6 +15,7 @@ import kotlinx.coroutines.async
 import kotlinx.coroutines.cancelAndJoin
 import kotlinx.coroutines.delay
 import kotlinx.coroutines.flow.first
+import kotlinx.coroutines.flow.flow
 import kotlinx.coroutines.flow.last
 import kotlinx.coroutines.flow.toList
 import kotlinx.coroutines.launch
@@ -95,6 +96,42 @@ class ForeignCodeTest {
             test.othersGoOn(blocked)
             runBlocking { here.cancelAndJoin() }
         }
+    }
+
+    @Test
+    fun `a thread of an app's own source delivers no longer than a reading is told`() = runBlocking {
+        val delivers = CopyOnWriteArrayList<Boolean>()
+        val own = object : FlowSource() {
+            override fun played() = flow {
+                for (event in events(tumbling(2))) {
+                    emit(event)
+                    delivers += Handover.isDelivering()
+                }
+            }
+        }
+        assertEquals(2, Compass(own, grace = ZERO).readings().toList().size)
+        assertEquals(List(4) { false }, delivers.toList())
+    }
+
+    @Test
+    fun `the rotation of Java's screen is asked on its executor`() = runBlocking {
+        val main = java.util.concurrent.Executors.newSingleThreadExecutor { Thread(it, "main of the app") }
+        val asked = CopyOnWriteArrayList<String>()
+        val listener = object : HeadingListener {
+            override fun onHeading(reading: CompassReading) = Unit
+
+            override fun onEnd(error: Exception?) = Unit
+        }
+        val running = Compass(source, grace = ZERO).start(main, listener) {
+            asked += Thread.currentThread().name.substringBefore(" @")
+            ScreenRotation.DEG0
+        }
+        sensors.registered(3)
+        until { (asked.size > 1).also { play(1) } }
+        assertEquals(setOf("main of the app"), asked.toSet())
+        running.close()
+        main.shutdown()
+        until { sensors.registrations.isEmpty() }
     }
 
     @Test

@@ -92,9 +92,6 @@ class HandleTest {
             val handle = native.fastHandle()
             val short = DoubleArray(out.size - 1)
             assertThrows(IndexOutOfBoundsException::class.java) { FastPath.push(handle, 1, 1.0, 2.0, 3.0, 0.0, 0.0, 0.0, short) }
-            assertEquals(FastPath.TOO_SHORT, FastPath.pushBatch(handle, ByteArray(2), LongArray(1), DoubleArray(6), out))
-            assertEquals(FastPath.TOO_SHORT, FastPath.pushBatch(handle, ByteArray(2), longArrayOf(1, 2), DoubleArray(6), out))
-            assertEquals(FastPath.NO_SUCH_KIND, FastPath.pushBatch(handle, byteArrayOf(9), LongArray(1), DoubleArray(3), out))
         }
     }
 
@@ -102,7 +99,6 @@ class HandleTest {
     fun `what the fast path tells of a compensator is what uniffi tells`() {
         Compensator().use { nothing ->
             assertEquals(null, nothing.calibration())
-            assertEquals(null, nothing.keep(NOW_S))
             assertEquals(48, nothing.coverage().unseenDirections.size)
         }
         NativeCompensator(CompensationConfig()).use { native ->
@@ -125,20 +121,11 @@ class HandleTest {
                 assertEquals(native.coverage(), compensator.coverage())
                 assertTrue(compensator.coverage().unseenDirections.size in 1..47, "${compensator.coverage()}")
                 assertEquals(native.calibration()!!, compensator.calibration())
-                assertEquals(native.keep(NOW_S)!!, compensator.keep(NOW_S))
-                assertEquals(native.keep(NOW_S)!!, compensator.keep(NOW_S, roomFor = 1), "longer than it was thought to be")
             }
-            // too short: as long as it would be, and nothing written
-            val (short, text) = Pair(ByteArray(10), native.keep(NOW_S)!!)
-            assertEquals(text.length, FastPath.keep(handle, NOW_S, short))
-            assertEquals(List(10) { 0.toByte() }, short.toList())
-            assertEquals(text.length, FastPath.keep(handle, NOW_S, ByteArray(text.length)))
             assertThrows(IndexOutOfBoundsException::class.java) { FastPath.calibration(handle, DoubleArray(9)) }
             assertThrows(IndexOutOfBoundsException::class.java) { FastPath.coverage(handle, DoubleArray(1)) }
         }
-        for (call in listOf(FastPath.calibration(-1, DoubleArray(10)), FastPath.coverage(-1, DoubleArray(145)), FastPath.keep(-1, 1, ByteArray(1)))) {
-            assertEquals(FastPath.CLOSED, call)
-        }
+        for (call in listOf(FastPath.calibration(-1, DoubleArray(10)), FastPath.coverage(-1, DoubleArray(145)))) assertEquals(FastPath.CLOSED, call)
     }
 
     @Test

@@ -4,6 +4,7 @@ import android.hardware.Sensor
 import java.io.File
 import java.math.BigDecimal
 import java.util.concurrent.CopyOnWriteArrayList
+import java.util.concurrent.CountDownLatch
 import java.util.concurrent.atomic.AtomicLong
 import java.util.zip.GZIPInputStream
 import kotlin.time.Duration.Companion.ZERO
@@ -265,6 +266,44 @@ class RecorderTest {
         assertTrue(text.drop(2).all { it.count { c -> c == ',' } == 15 }, "whole rows")
         reading.cancelAndJoin()
         assertEquals(0, sensors.registrations.size)
+    }
+
+    @Test
+    fun `what waits for it when it is cancelled is written, as far as there is room`() = runBlocking {
+        for ((name, mostBytes) in listOf("all.csv" to 100_000L, "full.csv" to 1000L)) {
+            val given = CountDownLatch(1)
+            val source = object : FlowSource() {
+                override fun played() = flow {
+                    for (k in 1L..100) emit(field(k * STEP_NS))
+                    given.countDown()
+                    awaitCancellation()
+                }
+            }
+            val file = folder.resolve(name)
+            val writing = CountDownLatch(1)
+            // its first row is written when it is cancelled
+            var calls = 0
+            val recording = async(Dispatchers.Default) { source.record(file, mostBytes) { if (++calls > 1) writing.await(); 0 } }
+            withTimeout(120_000) { while (given.count > 0) delay(1) }
+            recording.cancel()
+            writing.countDown()
+            recording.join()
+            if (name == "all.csv") assertEquals(100, rows(file).size) else assertTrue(file.length() in 600..1000, "${file.length()}")
+        }
+    }
+
+    @Test
+    fun `an error of the source is that of the recording, whatever it is`() {
+        val broken = object : FlowSource() {
+            override fun played() = flow {
+                emit(up(1))
+                throw NoSuchElementException("of the app")
+            }
+        }
+        val file = folder.resolve("r.csv")
+        val error = assertThrows(NoSuchElementException::class.java) { runBlocking { broken.record(file) } }
+        assertEquals("of the app", error.message)
+        assertEquals(1, rows(file).size)
     }
 
     @Test

@@ -120,12 +120,13 @@ class ScreenStreamTest {
             scope.launch { compass.readings().collect(whole::add) },
         )
         val running = compass.start({ it.run() }, listener, ReferenceAxis.TOP_EDGE) { ScreenRotation.DEG180 }
+        compass.declinationDeg = 3.0
         sensors.registered(3)
         // each has a twin whose config says the same
         val flat = List(1500) { phone.advance(still = false) }.flatten()
         flat.forEach { if (it.timeNs == 1000 * STEP_NS) turned = ScreenRotation.DEG270; sensors.deliver(it) }
         fun twin(axis: ReferenceAxis, rotation: ScreenRotation) =
-            Compensator(CompensationConfig(heading = HeadingConfig(axis, rotation))).use { it.pushReported(flat.map(::inFloats)) }
+            Compensator(CompensationConfig(heading = HeadingConfig(axis, rotation, 3.0))).use { it.pushReported(flat.map(::inFloats)) }
         for ((got, axis, rotation) in listOf(
             Triple(upright, ReferenceAxis.AUTO, { ScreenRotation.DEG0 }),
             Triple(landscape, ReferenceAxis.AUTO, { turned }),
@@ -145,7 +146,9 @@ class ScreenStreamTest {
                 assertEquals(0.0, Math.IEEEremainder(expected.headingDeg - reading.headingDeg!!, 360.0), 1e-7, "$axis $k")
                 assertEquals(expected.headingSigmaDeg!!, reading.headingSigmaDeg!!, 1e-6 * expected.headingSigmaDeg!!, "$axis $k")
                 val same = whole[k].headingOn(if (k < 999 && got === landscape) ScreenRotation.DEG90 else rotation(), axis)!!
-                assertEquals(listOf(reading.headingDeg, reading.headingSigmaDeg, null), with(same) { listOf(headingDeg, headingSigmaDeg, trueHeadingDeg) })
+                assertEquals(with(reading) { listOf(headingDeg, headingSigmaDeg, trueHeadingDeg) }, with(same) { listOf(headingDeg, headingSigmaDeg, trueHeadingDeg) })
+                assertEquals(0.0, Math.IEEEremainder(expected.trueHeadingDeg!! - same.trueHeadingDeg!!, 360.0), 1e-7, "$axis $k")
+                assertEquals(expected.inclinationDeg!!, same.inclinationDeg!!, 1e-6, "$axis $k")
                 compared += 1
             }
             assertTrue(compared > 1000, "$axis $compared")
@@ -191,6 +194,12 @@ class ScreenStreamTest {
         assertTrue(first.headingSigmaDeg!! > 10, "the data show one: ${first.headingSigmaDeg}")
         val sure = asked(3000) { compass.heading(within = 60.seconds, worstSigmaDeg = 10.0) }!!
         assertTrue(sure.headingSigmaDeg!! <= 10, "${sure.headingSigmaDeg}")
+        val whole = CopyOnWriteArrayList<CompensatedReading>()
+        val file = scope.launch { compass.readings().collect(whole::add) }
+        val turned = asked(3000) { compass.heading(within = 60.seconds, axis = ReferenceAxis.TOP_EDGE) { ScreenRotation.DEG180 } }!!
+        val same = whole.first { it.sample.timeNs == turned.timeNs }
+        assertEquals(same.headingOn(ScreenRotation.DEG180, ReferenceAxis.TOP_EDGE)!!.headingDeg, turned.headingDeg)
+        file.cancelAndJoin()
         val why = asked(20) { compass.heading(within = 3.seconds, worstSigmaDeg = 1e-6) }!!
         assertTrue(why.headingSigmaDeg!! > 1e-6, "$why")
         val none = asked(0) { Compass(sensors.source(), grace = ZERO).heading(within = 1.milliseconds) }

@@ -61,7 +61,8 @@ class StatusesTest {
     /** As the border writes it, with other numbers where there are any; axes stay. */
     private fun read(case: JSONObject, whole: (Long) -> Long = { it }, real: (Double) -> Double = { it }): CompensationStatus {
         fun array(key: String) = case.optJSONArray(key) ?: JSONArray()
-        val slots = DoubleArray(FastPath.slots)
+        val buffer = ReadingBuffer()
+        val slots = buffer.slots
         val hasAxis = Regex("\\b(axis|x): ") in case.getString("status")
         for ((k, at) in listOf(ReadingBuffer.STATUS, ReadingBuffer.REASON, ReadingBuffer.FIT_PROBLEM).withIndex()) slots[at] = array("border").getDouble(k)
         for (k in 0 until array("whole").length()) {
@@ -70,7 +71,7 @@ class StatusesTest {
             slots[ReadingBuffer.WHOLE + 2 * k + 1] = (number and 0xffff_ffff).toDouble()
         }
         for (k in 0 until array("real").length()) slots[ReadingBuffer.REAL + k] = array("real").getDouble(k).let { if (hasAxis) it else real(it) }
-        return ReadingBuffer.status(slots)
+        return buffer.status
     }
 
     private fun snake(text: String) = text.replace(Regex("(?<=[a-z])([A-Z])(?=\\w*=)")) { "_" + it.value.lowercase() }

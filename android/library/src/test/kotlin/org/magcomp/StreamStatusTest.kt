@@ -1,6 +1,7 @@
 package org.magcomp
 
 import android.hardware.Sensor
+import android.hardware.SensorManager
 import android.os.Handler
 import java.util.concurrent.CopyOnWriteArrayList
 import java.util.concurrent.Executor
@@ -63,7 +64,7 @@ class StreamStatusTest {
         Handler.pass(10)
     }
 
-    private fun collected(body: suspend () -> Unit) = runBlocking {
+    private fun collected(compass: Compass = this.compass, body: suspend () -> Unit) = runBlocking {
         val job: Job = CoroutineScope(Dispatchers.Unconfined).launch { compass.readings().collect(readings::add) }
         sensors.registered(3)
         body()
@@ -79,13 +80,15 @@ class StreamStatusTest {
         assertNotNull(before.reading.heading)
         assertEquals(StreamStatus.Live, before.stream)
         play(1000, PhoneSensor.MAGNETOMETER)
+        sensors.tell(mag, SensorManager.SENSOR_STATUS_ACCURACY_LOW)
         assertEquals(1501, readings.size, "told once")
         val told = readings.last()
         assertEquals(silent, told.stream)
         assertEquals(true, told.sensors!!.magnetometer.isSilent)
         assertEquals("of the store", told.storeError!!.message)
         with(told.reading) {
-            assertEquals(listOf(null, null, null, null, null), listOf(heading, attitude, fieldUt, filteredFieldUt, totalFieldUt))
+            assertEquals(List<Any?>(5) { null }, listOf(heading, attitude, fieldUt, filteredFieldUt, totalFieldUt))
+            assertEquals(List<Any?>(3) { null }, listOf(sigmaT, directionSigmaDeg, worstSigmaDeg))
             assertEquals(Triple(before.sample.timeNs, before.reading.window, before.reading.coverage), Triple(timeNs, window, coverage))
             assertEquals(CompensationStatus.Rejected(RejectReason.NotFinite), status)
         }
@@ -101,6 +104,25 @@ class StreamStatusTest {
         assertEquals(StreamStatus.Live, readings.last().stream)
         assertEquals(phone.timeNs, readings.last().sample.timeNs)
         assertEquals(0L, readings.sumOf { it.droppedBefore })
+    }
+
+    @Test
+    fun `a silence has no model order`() = collected(Compass(source, CompensationConfig(method = CompensationMethod.ADAPTIVE), grace = ZERO)) {
+        play(1500)
+        assertNotNull(readings.last().reading.modelOrder)
+        play(300, PhoneSensor.MAGNETOMETER)
+        assertEquals(silent, readings.last().stream)
+        assertNull(readings.last().reading.modelOrder)
+    }
+
+    @Test
+    fun `who comes back to sensors that are silent is told again`() {
+        val others = CoroutineScope(Dispatchers.Unconfined).launch { source.samples().collect { } }
+        repeat(2) {
+            collected { withTimeout(120_000) { while (readings.lastOrNull()?.stream != silent) play(1, PhoneSensor.MAGNETOMETER).also { yield() } } }
+            readings.clear()
+        }
+        runBlocking { others.cancelAndJoin() }
     }
 
     @Test

@@ -63,9 +63,6 @@ object CheckedMain {
             compensator.pushUp(k * STEP_NS, 0.0, 0.0, 9.8)
             compensator.push(k * STEP_NS, 1.0, 2.0, k.toDouble(), out)
         }
-        val (kinds, times, values) = Triple(byteArrayOf(0, 9), longArrayOf(1, 2), DoubleArray(6))
-        check(FastPath.pushBatch(compensator.handle, kinds, times, values, out.slots) == FastPath.NO_SUCH_KIND)
-        check(FastPath.pushBatch(compensator.handle, kinds, times, values, DoubleArray(1)) == FastPath.TOO_SHORT)
         try {
             FastPath.push(compensator.handle, 1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, DoubleArray(1))
             error("an array that is too short was taken")

@@ -113,35 +113,13 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
      * system's own hard iron.
      */
     @Throws(MagcompException::class)
-    public fun pushAll(events: List<SensorSample>): List<MagneticReading> {
-        val kinds = ByteArray(events.size)
-        val times = LongArray(events.size) { events[it].timeNs }
-        val values = DoubleArray(3 * events.size)
-        val answered = ArrayList<Long>()
-        events.forEachIndexed { k, event ->
-            val value = when (event) {
-                is SensorSample.Magnetic -> {
-                    answered += event.timeNs
-                    kinds[k] = FastPath.MAGNETIC
-                    event.sample.fieldUt
-                }
-                is SensorSample.RotationRate -> {
-                    kinds[k] = FastPath.ROTATION_RATE
-                    event.sample.rateRadS
-                }
-                is SensorSample.Up -> {
-                    kinds[k] = FastPath.UP
-                    event.sample.upMS2
-                }
-            }
-            values[3 * k] = value.x
-            values[3 * k + 1] = value.y
-            values[3 * k + 2] = value.z
+    public fun pushAll(events: List<SensorSample>): List<MagneticReading> = events.mapNotNull { event ->
+        when (event) {
+            is SensorSample.Magnetic -> return@mapNotNull push(event.sample.copy(reportedHardIronUt = null))
+            is SensorSample.RotationRate -> with(event.sample.rateRadS) { pushRotationRate(event.timeNs, x, y, z) }
+            is SensorSample.Up -> with(event.sample.upMS2) { pushUp(event.timeNs, x, y, z) }
         }
-        val slots = FastPath.slots
-        val out = DoubleArray(slots * answered.size)
-        check(FastPath.pushBatch(handle, kinds, times, values, out))
-        return answered.mapIndexed { k, timeNs -> ReadingBuffer.reading(out, k * slots, timeNs) }
+        null
     }
 
     /**
@@ -179,17 +157,7 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
      * @param unixTimeS now, seconds since 1970
      */
     @Throws(MagcompException::class)
-    public fun keep(unixTimeS: Long): String? = keep(unixTimeS, roomFor = USUAL_LENGTH)
-
-    /** A text that is longer than [roomFor] bytes is asked for twice. */
-    internal fun keep(unixTimeS: Long, roomFor: Int): String? {
-        var text = ByteArray(roomFor)
-        while (true) {
-            val length = check(FastPath.keep(handle, unixTimeS, text))
-            if (length <= text.size) return if (length == 0) null else String(text, 0, length, Charsets.US_ASCII)
-            text = ByteArray(length)
-        }
-    }
+    public fun keep(unixTimeS: Long): String? = unlessClosed { native.keep(unixTimeS) }
 
     /**
      * Puts the calibration of a text of [keep] in force until something better is learned. The stream, the config and the heading frame stay.
@@ -247,14 +215,7 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
     public fun reset(): Unit = unlessClosed { native.reset() }
 
     /** Frees the native state now. A second call does nothing, and another thread may push meanwhile. */
-    override fun close() {
-        try {
-            unlessClosed { native.shutDown() }
-        } catch (_: MagcompException.Closed) {
-            return
-        }
-        native.close()
-    }
+    override fun close(): Unit = closing(native) { native.shutDown() }
 
     private inline fun taken(push: () -> Unit): Boolean = try {
         unlessClosed(push)
@@ -274,8 +235,5 @@ public class Compensator @JvmOverloads @Throws(MagcompException::class) construc
 
     private companion object {
         val NOT_REPORTED = DeviceVector(Double.NaN, Double.NaN, Double.NaN)
-
-        /** A kept text is about half as long. */
-        const val USUAL_LENGTH = 4096
     }
 }

@@ -45,14 +45,7 @@ public class ConstantField @JvmOverloads constructor(public val samplesPerOrient
     public fun reset(): Unit = unlessClosed { native.reset() }
 
     /** Frees the native state now. A second call does nothing, and another thread may add meanwhile. */
-    override fun close() {
-        try {
-            unlessClosed { native.shutDown() }
-        } catch (_: MagcompException.Closed) {
-            return
-        }
-        native.close()
-    }
+    override fun close(): Unit = closing(native) { native.shutDown() }
 }
 
 /** The generated classes say IllegalStateException for a closed object. */
@@ -62,3 +55,13 @@ internal inline fun <T> unlessClosed(call: () -> T): T =
     } catch (_: IllegalStateException) {
         throw MagcompException.Closed()
     }
+
+/** Ends the use of a native object, and frees it once no call is under way. A second time it does nothing. */
+internal inline fun closing(native: AutoCloseable, shutDown: () -> Unit) {
+    try {
+        unlessClosed(shutDown)
+        native.close()
+    } catch (_: MagcompException.Closed) {
+        // it was
+    }
+}

@@ -8,17 +8,11 @@ package org.magcomp.core
 internal object FastPath {
     const val CLOSED: Int = -1
     const val PANICKED: Int = -2
-    const val TOO_SHORT: Int = -3
-    const val NO_SUCH_KIND: Int = -4
 
     const val HEADING: Int = 0
     const val HEADING_SIGMA: Int = 1
     const val TRUE_HEADING: Int = 2
     const val ATTITUDE_SIGMA: Int = 3
-
-    const val MAGNETIC: Byte = 0
-    const val ROTATION_RATE: Byte = 1
-    const val UP: Byte = 2
 
     // not in an initializer: what that throws is an Error of Java, and another one the second time
 
@@ -52,22 +46,10 @@ internal object FastPath {
     external fun pushUp(handle: Long, timeNs: Long, x: Double, y: Double, z: Double): Int
 
     @JvmStatic
-    external fun pushBatch(
-        handle: Long,
-        kinds: ByteArray,
-        timesNs: LongArray,
-        values: DoubleArray,
-        out: DoubleArray,
-    ): Int
-
-    @JvmStatic
     external fun calibration(handle: Long, out: DoubleArray): Int
 
     @JvmStatic
     external fun coverage(handle: Long, out: DoubleArray): Int
-
-    @JvmStatic
-    external fun keep(handle: Long, unixTimeS: Long, out: ByteArray): Int
 
     /** Doubles of a calibration. */
     const val CALIBRATION: Int = 10

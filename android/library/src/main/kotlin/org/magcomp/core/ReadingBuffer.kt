@@ -81,23 +81,129 @@ public class ReadingBuffer {
     public val worstSigmaDeg: Double get() = slots[WORST_SIGMA]
 
     /** Which parameters the latest change set free. Adaptive method only. Null when it is not known. */
-    public val modelOrder: ModelOrder? get() = modelOrder(slots, 0)
+    public val modelOrder: ModelOrder? get() = ModelOrder.entries.getOrNull(slots[MODEL_ORDER].toInt())
 
     /** By how much the operating system's own hard-iron estimate jumped with this sample, microtesla. A jump means that the operating system has recalibrated; the raw field has not changed. NaN when it did not jump or is not reported. */
     public val reportedHardIronJumpUt: Double get() = slots[REPORTED_JUMP]
 
     /** The sensors the estimator runs on. */
-    public val mode: SensorMode get() = mode(slots, 0)
+    public val mode: SensorMode get() = SensorMode.entries[slots[MODE].toInt()]
 
     /** The latest change that was decided. Allocates when it is another one than before. */
-    public val event: FieldEvent? get() = event(slots, 0, latestEvent).also { latestEvent = it }
+    public val event: FieldEvent?
+        get() {
+            val kind = FieldEventKind.entries.getOrNull(slots[EVENT].toInt())
+            val sinceNs = whole(EVENT_TIMES)
+            val decidedNs = whole(EVENT_TIMES + 2)
+            val isSame = latestEvent.let { it != null && it.kind == kind && it.sinceNs == sinceNs && it.decidedNs == decidedNs }
+            if (!isSame) latestEvent = kind?.let { FieldEvent(it, sinceNs = sinceNs, decidedNs = decidedNs) }
+            return latestEvent
+        }
     private var latestEvent: FieldEvent? = null
 
     /** What the compensator is doing, and why. Allocates for a status that carries data. */
-    public val status: CompensationStatus get() = status(slots)
+    public val status: CompensationStatus
+        get() = when (val kind = slots[STATUS].toInt()) {
+            0 -> CompensationStatus.Collecting(missing())
+            1 -> CompensationStatus.Tracking
+            2 -> CompensationStatus.Suspect(whole(WHOLE))
+            3 -> CompensationStatus.Held(holdReason())
+            4 -> CompensationStatus.Disturbed(whole(WHOLE))
+            5 -> CompensationStatus.Rejected(rejectReason())
+            else -> error("status $kind: the library's native part is of another version")
+        }
 
     /** The same as an immutable record. */
-    public fun toReading(): MagneticReading = reading(slots, 0, timeNs, event, status)
+    public fun toReading(): MagneticReading = reading(timeNs, event, status)
+
+    /** The numbers with another time, event and status. */
+    internal fun reading(timeNs: Long, event: FieldEvent?, status: CompensationStatus): MagneticReading = MagneticReading(
+        timeNs = timeNs,
+        fieldUt = vector(FIELD),
+        fieldSigmaUt = known(slots[FIELD_SIGMA]),
+        filteredFieldUt = vector(FILTERED_FIELD),
+        totalFieldUt = known(slots[TOTAL_FIELD]),
+        heading = heading(),
+        attitude = attitude(),
+        sigmaT = known(slots[SIGMA_T]),
+        window = slots[WINDOW].toInt(),
+        coverage = slots[COVERAGE],
+        directionSigmaDeg = known(slots[DIRECTION_SIGMA]),
+        worstSigmaDeg = known(slots[WORST_SIGMA]),
+        modelOrder = modelOrder,
+        reportedHardIronJumpUt = known(slots[REPORTED_JUMP]),
+        mode = mode,
+        event = event,
+        status = status,
+    )
+
+    private fun heading(): CompassHeading? = known(slots[HEADING])?.let {
+        CompassHeading(
+            headingDeg = it,
+            headingSigmaDeg = known(slots[HEADING_SIGMA]),
+            trueHeadingDeg = known(slots[TRUE_HEADING]),
+            inclinationDeg = known(slots[INCLINATION]),
+        )
+    }
+
+    private fun attitude(): DeviceAttitude? = known(slots[ATTITUDE])?.let {
+        DeviceAttitude(
+            w = it,
+            x = slots[ATTITUDE + 1],
+            y = slots[ATTITUDE + 2],
+            z = slots[ATTITUDE + 3],
+            sigmaDeg = known(slots[ATTITUDE_SIGMA]),
+        )
+    }
+
+    private fun missing(): CollectingReason =
+        when (val reason = slots[REASON].toInt()) {
+            0 -> CollectingReason.Samples(whole(WHOLE).toInt(), whole(WHOLE + 2).toInt())
+            1 -> CollectingReason.Fit(fitProblem())
+            2 -> CollectingReason.Rotation
+            3 -> CollectingReason.Directions
+            else -> error("missing $reason: the library's native part is of another version")
+        }
+
+    private fun holdReason(): HoldReason =
+        when (val reason = slots[REASON].toInt()) {
+            0 -> HoldReason.LowUniformity
+            1 -> HoldReason.FitRefused(fitProblem())
+            2 -> HoldReason.Constant
+            3 -> HoldReason.AtRest
+            4 -> HoldReason.TooLittleRotation
+            5 -> HoldReason.NoGyroscope
+            else -> error("hold reason $reason: the library's native part is of another version")
+        }
+
+    private fun rejectReason(): RejectReason =
+        when (val reason = slots[REASON].toInt()) {
+            0 -> RejectReason.NotFinite
+            1 -> RejectReason.OutOfRange(slots[REAL], slots[REAL + 1])
+            2 -> RejectReason.Saturated(DeviceAxis.entries[whole(WHOLE).toInt()], slots[REAL], slots[REAL + 1])
+            3 -> RejectReason.TimeNotAfter(whole(WHOLE), whole(WHOLE + 2))
+            4 -> RejectReason.TimeJump(slots[REAL], slots[REAL + 1])
+            5 -> RejectReason.Stuck(whole(WHOLE).toInt())
+            6 -> RejectReason.Axes(slots[REAL].toInt(), slots[REAL + 1].toInt(), slots[REAL + 2].toInt())
+            else -> error("reject reason $reason: the library's native part is of another version")
+        }
+
+    private fun fitProblem(): FitProblem =
+        when (val problem = slots[FIT_PROBLEM].toInt()) {
+            0 -> FitProblem.TooFewSamples(whole(WHOLE).toInt())
+            1 -> FitProblem.Planar(slots[REAL])
+            2 -> FitProblem.PoorCoverage(slots[REAL], slots[REAL + 1])
+            3 -> FitProblem.Inconsistent(slots[REAL], slots[REAL + 1])
+            4 -> FitProblem.NotAnEllipsoid
+            5 -> FitProblem.FieldOutOfRange(slots[REAL], slots[REAL + 1], slots[REAL + 2])
+            6 -> FitProblem.NotFinite
+            else -> error("fit problem $problem: the library's native part is of another version")
+        }
+
+    private fun vector(at: Int): DeviceVector? = if (slots[at].isNaN()) null else DeviceVector(slots[at], slots[at + 1], slots[at + 2])
+
+    /** A whole number from its upper and lower 32 bits. */
+    private fun whole(at: Int): Long = (slots[at].toLong() shl 32) or slots[at + 1].toLong()
 
     internal companion object {
         const val FIELD = 0
@@ -127,128 +233,6 @@ public class ReadingBuffer {
         const val WHOLE = 36
         const val POINTING = 40
 
-        /** The numbers of a reading but for event and status. */
-        const val NUMBERS = 25
-
-        fun heading(slots: DoubleArray, at: Int = 0): CompassHeading? = known(slots[at + HEADING])?.let {
-            CompassHeading(
-                headingDeg = it,
-                headingSigmaDeg = known(slots[at + HEADING_SIGMA]),
-                trueHeadingDeg = known(slots[at + TRUE_HEADING]),
-                inclinationDeg = known(slots[at + INCLINATION]),
-            )
-        }
-
-        fun attitude(slots: DoubleArray, at: Int = 0): DeviceAttitude? = known(slots[at + ATTITUDE])?.let {
-            DeviceAttitude(
-                w = it,
-                x = slots[at + ATTITUDE + 1],
-                y = slots[at + ATTITUDE + 2],
-                z = slots[at + ATTITUDE + 3],
-                sigmaDeg = known(slots[at + ATTITUDE_SIGMA]),
-            )
-        }
-
-        fun reading(slots: DoubleArray, at: Int, timeNs: Long): MagneticReading = reading(slots, at, timeNs, event(slots, at), status(slots, at))
-
-        /** Of [slots] the [NUMBERS] alone are read. */
-        fun reading(slots: DoubleArray, at: Int, timeNs: Long, event: FieldEvent?, status: CompensationStatus): MagneticReading = MagneticReading(
-            timeNs = timeNs,
-            fieldUt = vectorOrNull(slots, at + FIELD),
-            fieldSigmaUt = known(slots[at + FIELD_SIGMA]),
-            filteredFieldUt = vectorOrNull(slots, at + FILTERED_FIELD),
-            totalFieldUt = known(slots[at + TOTAL_FIELD]),
-            heading = heading(slots, at),
-            attitude = attitude(slots, at),
-            sigmaT = known(slots[at + SIGMA_T]),
-            window = slots[at + WINDOW].toInt(),
-            coverage = slots[at + COVERAGE],
-            directionSigmaDeg = known(slots[at + DIRECTION_SIGMA]),
-            worstSigmaDeg = known(slots[at + WORST_SIGMA]),
-            modelOrder = modelOrder(slots, at),
-            reportedHardIronJumpUt = known(slots[at + REPORTED_JUMP]),
-            mode = mode(slots, at),
-            event = event,
-            status = status,
-        )
-
-        fun status(slots: DoubleArray, at: Int = 0): CompensationStatus {
-            val reason = slots[at + REASON].toInt()
-            return when (val kind = slots[at + STATUS].toInt()) {
-                0 -> CompensationStatus.Collecting(missing(slots, at, reason))
-                1 -> CompensationStatus.Tracking
-                2 -> CompensationStatus.Suspect(whole(slots, at + WHOLE))
-                3 -> CompensationStatus.Held(holdReason(slots, at, reason))
-                4 -> CompensationStatus.Disturbed(whole(slots, at + WHOLE))
-                5 -> CompensationStatus.Rejected(rejectReason(slots, at, reason))
-                else -> error("status $kind: the library's native part is of another version")
-            }
-        }
-
-        private fun modelOrder(slots: DoubleArray, at: Int): ModelOrder? = ModelOrder.entries.getOrNull(slots[at + MODEL_ORDER].toInt())
-
-        private fun mode(slots: DoubleArray, at: Int): SensorMode = SensorMode.entries[slots[at + MODE].toInt()]
-
-        /** [before] where it is the same. */
-        private fun event(slots: DoubleArray, at: Int, before: FieldEvent? = null): FieldEvent? {
-            val kind = FieldEventKind.entries.getOrNull(slots[at + EVENT].toInt()) ?: return null
-            val sinceNs = whole(slots, at + EVENT_TIMES)
-            val decidedNs = whole(slots, at + EVENT_TIMES + 2)
-            if (before != null && before.kind == kind && before.sinceNs == sinceNs && before.decidedNs == decidedNs) return before
-            return FieldEvent(kind, sinceNs = sinceNs, decidedNs = decidedNs)
-        }
-
-        private fun missing(slots: DoubleArray, at: Int, reason: Int): CollectingReason =
-            when (reason) {
-                0 -> CollectingReason.Samples(whole(slots, at + WHOLE).toInt(), whole(slots, at + WHOLE + 2).toInt())
-                1 -> CollectingReason.Fit(fitProblem(slots, at))
-                2 -> CollectingReason.Rotation
-                3 -> CollectingReason.Directions
-                else -> error("missing $reason: the library's native part is of another version")
-            }
-
-        private fun holdReason(slots: DoubleArray, at: Int, reason: Int): HoldReason =
-            when (reason) {
-                0 -> HoldReason.LowUniformity
-                1 -> HoldReason.FitRefused(fitProblem(slots, at))
-                2 -> HoldReason.Constant
-                3 -> HoldReason.AtRest
-                4 -> HoldReason.TooLittleRotation
-                5 -> HoldReason.NoGyroscope
-                else -> error("hold reason $reason: the library's native part is of another version")
-            }
-
-        private fun rejectReason(slots: DoubleArray, at: Int, reason: Int): RejectReason =
-            when (reason) {
-                0 -> RejectReason.NotFinite
-                1 -> RejectReason.OutOfRange(slots[at + REAL], slots[at + REAL + 1])
-                2 -> RejectReason.Saturated(DeviceAxis.entries[whole(slots, at + WHOLE).toInt()], slots[at + REAL], slots[at + REAL + 1])
-                3 -> RejectReason.TimeNotAfter(whole(slots, at + WHOLE), whole(slots, at + WHOLE + 2))
-                4 -> RejectReason.TimeJump(slots[at + REAL], slots[at + REAL + 1])
-                5 -> RejectReason.Stuck(whole(slots, at + WHOLE).toInt())
-                6 -> RejectReason.Axes(slots[at + REAL].toInt(), slots[at + REAL + 1].toInt(), slots[at + REAL + 2].toInt())
-                else -> error("reject reason $reason: the library's native part is of another version")
-            }
-
-        private fun fitProblem(slots: DoubleArray, at: Int): FitProblem =
-            when (val problem = slots[at + FIT_PROBLEM].toInt()) {
-                0 -> FitProblem.TooFewSamples(whole(slots, at + WHOLE).toInt())
-                1 -> FitProblem.Planar(slots[at + REAL])
-                2 -> FitProblem.PoorCoverage(slots[at + REAL], slots[at + REAL + 1])
-                3 -> FitProblem.Inconsistent(slots[at + REAL], slots[at + REAL + 1])
-                4 -> FitProblem.NotAnEllipsoid
-                5 -> FitProblem.FieldOutOfRange(slots[at + REAL], slots[at + REAL + 1], slots[at + REAL + 2])
-                6 -> FitProblem.NotFinite
-                else -> error("fit problem $problem: the library's native part is of another version")
-            }
-
         fun known(value: Double): Double? = if (value.isNaN()) null else value
-
-        private fun vectorOrNull(slots: DoubleArray, at: Int): DeviceVector? = if (slots[at].isNaN()) null else vector(slots, at)
-
-        fun vector(slots: DoubleArray, at: Int) = DeviceVector(slots[at], slots[at + 1], slots[at + 2])
-
-        /** A whole number from its upper and lower 32 bits. */
-        private fun whole(slots: DoubleArray, at: Int): Long = (slots[at].toLong() shl 32) or slots[at + 1].toLong()
     }
 }
