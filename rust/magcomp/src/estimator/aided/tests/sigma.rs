@@ -27,7 +27,7 @@ fn judge(change: impl Fn(&mut World), each: impl Fn(&mut World)) -> [f64; 3] {
         for k in 0..6_000 {
             each(&mut world);
             let sample = world.sample(0.01);
-            let (_, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+            let (_, output) = aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
             if let (true, Some((error, told))) = (k > 2_000, direction(&output, &(world.attitude.inverse() * earth_ut)))
             {
                 square += error;
