@@ -165,7 +165,7 @@ impl<const N: usize> Gaussian<N> {
 
     /// Adds an independent error of each number of a part.
     pub fn add_variance<const LEN: usize>(&mut self, part: Part<LEN>, variance: f64) {
-        self.add(part, &SMatrix::from_diagonal_element(variance));
+        part.range().for_each(|k| self.covariance[(k, k)] += variance);
     }
 
     /// Makes a part independent of all others, with the covariance `own`.

@@ -160,8 +160,9 @@ impl Turning {
             let (a, b) = ((i + 1) % 3, (i + 2) % 3);
             [(i, 1.0), w(a, b, 1.0), w(b, a, -1.0)]
         });
+        let square = |(i, _): (usize, f64)| self.moments[(i, i)];
         let of_one = |[a, b, c]: [(usize, f64); 3]| {
-            moment(a, a) + moment(b, b) + moment(c, c) + 2.0 * (moment(a, b) + moment(a, c) + moment(b, c))
+            square(a) + square(b) + square(c) + 2.0 * (moment(a, b) + moment(a, c) + moment(b, c))
         };
         let sum: f64 = left.map(of_one).iter().sum();
         let cross = |i: usize, k: usize| -> f64 { left[k].map(|part| moment((12 + i, 1.0), part)).iter().sum() };

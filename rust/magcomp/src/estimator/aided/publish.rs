@@ -33,12 +33,10 @@ impl Aided {
         let late_rad = x.true_rate(&step.delayed_rad_s) * (x.delay + step.late_s);
         let c = Turn::by(&-late_rad).rotation * still;
         let f = self.earth_ut(filter);
-        let covariances = self
-            .covariances
-            .filter(|_| !self.frame.is_empty())
-            .unwrap_or_else(|| self.covariance_ut2(step, filter, &w, &f));
-        self.covariances = Some(covariances);
-        let [p_c, p_f] = covariances;
+        if self.frame.is_empty() || self.covariances.is_none() {
+            self.covariances = Some(self.covariance_ut2(step, filter, &w, &f));
+        }
+        let Some([p_c, p_f]) = self.covariances else { return };
         let (c, f) = (Gaussian { mean: c, covariance: p_c }, Gaussian { covariance: p_f, ..f });
         if !self.answer(filter, c, Some(f), answer) {
             return;
