@@ -4,6 +4,7 @@
 //! ellipsoid. A [`Calibration`] holds the symmetric positive definite M; [`Calibration::from_any`] brings any
 //! invertible M there by the polar decomposition M = P R and hands back the rotation R it dropped.
 
+use core::ops::Index;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField as _;
 use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3};
@@ -134,11 +135,25 @@ pub(crate) fn iron_rows(h: &Vector3<f64>) -> SMatrix<f64, 3, 6> {
     ])
 }
 
+/// [I D(h)] x for nine numbers x, without the zeros of D.
+#[inline(always)]
+fn moved(h: &Vector3<f64>, x: impl Fn(usize) -> f64) -> Vector3<f64> {
+    Vector3::new(
+        x(0) + (x(3) * h.x + x(6) * h.y + x(7) * h.z),
+        x(1) + (x(4) * h.y + x(6) * h.x + x(8) * h.z),
+        x(2) + (x(5) * h.z + x(7) * h.x + x(8) * h.y),
+    )
+}
+
 /// W [I D(h)] P [I D(h)]^T W^T for the 9x9 covariance of (b, e).
-pub(crate) fn calibration_covariance(p: &SMatrix<f64, 9, 9>, w: &Matrix3<f64>, h: &Vector3<f64>) -> Matrix3<f64> {
-    let d = iron_rows(h);
-    let seen = p.fixed_columns::<3>(0) + p.fixed_columns::<6>(3) * d.transpose();
-    w * (seen.fixed_rows::<3>(0) + d * seen.fixed_rows::<6>(3)) * w.transpose()
+pub(crate) fn calibration_covariance(
+    p: &impl Index<(usize, usize), Output = f64>,
+    w: &Matrix3<f64>,
+    h: &Vector3<f64>,
+) -> Matrix3<f64> {
+    let rows: [Vector3<f64>; 9] = core::array::from_fn(|k| moved(h, |i| p[(k, i)]));
+    let both = Matrix3::from_columns(&[0, 1, 2].map(|k| moved(h, |i| rows[i][k])));
+    w * both * w.transpose()
 }
 
 /// Mathematics: what rounding may have taken off a correlation matrix.

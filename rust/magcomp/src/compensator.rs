@@ -192,7 +192,8 @@ impl Compensator {
             // it does not know yet where the field points: this sample goes in as one after a pause
             paired.rotation = None;
         }
-        let (status, mut answer) = self.estimator.push(&sample, &paired);
+        let mut answer = Answer::default();
+        let status = self.estimator.push(&sample, &paired, &mut answer);
         self.note(&sample, &answer);
         self.state.north.step(sample.time_ns, &mut answer, self.config.heading.declination_deg);
         let (reading, pointing) = self.assemble(sample.time_ns, status, &answer);
@@ -208,7 +209,7 @@ impl Compensator {
     /// # Errors
     /// [`RejectReason`] says why it would not.
     pub fn check(&self, sample: &MagneticSample) -> Result<(), RejectReason> {
-        let is_told = self.state.pairing.hears(sample.time_ns);
+        let is_told = || self.state.pairing.hears(sample.time_ns);
         self.state.stream.check(sample, self.config.range_ut, self.config.rail_ut, &self.tuning, is_told)
     }
 

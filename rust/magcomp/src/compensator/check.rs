@@ -71,7 +71,7 @@ impl Stream {
         range_ut: f64,
         rail_ut: Option<f64>,
         tuning: &Tuning,
-        is_told: bool,
+        is_told: impl FnOnce() -> bool,
     ) -> Result<(), RejectReason> {
         let field = &sample.field_ut;
         if !field.iter().all(|v| v.is_finite()) {
@@ -90,7 +90,7 @@ impl Stream {
             self.rails.check(field)?;
         }
         let is_same = self.latest.is_some_and(|latest| latest.field_ut == *field);
-        let repeats = self.repeats.hang(is_told).filter(|_| tuning.stuck && is_same);
+        let repeats = if tuning.stuck && is_same { self.repeats.hang(is_told()) } else { None };
         repeats.map_or(Ok(()), |repeats| Err(RejectReason::Stuck { repeats }))
     }
 

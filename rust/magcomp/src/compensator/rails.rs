@@ -66,11 +66,13 @@ impl Extremes {
             (self.lowest_ut, self.highest_ut) = (value_ut, value_ut);
             return;
         };
-        // what is exceeded was no full scale
-        self.high_ut = self.high_ut.filter(|rail| value_ut <= *rail);
-        self.low_ut = self.low_ut.filter(|rail| value_ut >= *rail);
-        self.lowest_ut = self.lowest_ut.min(value_ut);
-        self.highest_ut = self.highest_ut.max(value_ut);
+        if !(self.lowest_ut < value_ut && value_ut < self.highest_ut) {
+            // what is exceeded was no full scale
+            self.high_ut = self.high_ut.filter(|rail| value_ut <= *rail);
+            self.low_ut = self.low_ut.filter(|rail| value_ut >= *rail);
+            self.lowest_ut = self.lowest_ut.min(value_ut);
+            self.highest_ut = self.highest_ut.max(value_ut);
+        }
         let change_ut = (value_ut - latest_ut[axis]).abs();
         if change_ut > 0.0 {
             self.last_bit_ut = Some(self.last_bit_ut.map_or(change_ut, |least| least.min(change_ut)));

@@ -25,12 +25,16 @@ pub struct Coverage {
     latest: u64,
     /// So many of the latest samples count.
     window: u64,
+    /// How many cells were seen by a sample after `before`, the latest that counts no longer; none of them leaves before the sample `oldest` does.
+    seen: usize,
+    before: u64,
+    oldest: u64,
 }
 
 impl Default for Coverage {
     /// Nothing was seen, and every sample will count.
     fn default() -> Self {
-        Self { last_seen: [0; CELLS].into(), latest: 0, window: u64::MAX }
+        Self { last_seen: [0; CELLS].into(), latest: 0, window: u64::MAX, seen: 0, before: 0, oldest: u64::MAX }
     }
 }
 
@@ -66,24 +70,37 @@ impl Coverage {
     pub(crate) fn see(&mut self, direction: Option<&Vector3<f64>>) {
         self.latest += 1;
         if let Some(direction) = direction {
-            self.last_seen[Self::cell(direction)] = self.latest;
+            let last_seen = core::mem::replace(&mut self.last_seen[Self::cell(direction)], self.latest);
+            self.seen += usize::from(last_seen <= self.before);
+            self.oldest = self.oldest.min(self.latest);
         }
+        self.count();
     }
 
     /// From now on only so many of the latest samples count.
     pub(crate) fn count_latest(&mut self, samples: usize) {
         self.window = samples as u64;
+        self.count();
+    }
+
+    /// Counts the cells anew where one may have left, or come back.
+    fn count(&mut self) {
+        let before = self.latest.saturating_sub(self.window);
+        if before >= self.oldest || before < self.before {
+            let seen = self.last_seen.iter().filter(|seen| **seen > before);
+            (self.seen, self.oldest) = seen.fold((0, u64::MAX), |(count, oldest), seen| (count + 1, oldest.min(*seen)));
+        }
+        self.before = before;
     }
 
     fn is_seen(&self, cell: usize) -> bool {
-        self.last_seen[cell] > self.latest.saturating_sub(self.window)
+        self.last_seen[cell] > self.before
     }
 
     /// Share of the cells with at least one sample, 0 to 1.
     #[must_use]
     pub fn share(&self) -> f64 {
-        let before = self.latest.saturating_sub(self.window);
-        self.last_seen.iter().filter(|seen| **seen > before).count() as f64 / CELLS as f64
+        self.seen as f64 / CELLS as f64
     }
 
     /// Middles of the cells without a sample, unit vectors in the device frame: point the field there next.

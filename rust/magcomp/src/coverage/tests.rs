@@ -54,6 +54,18 @@ fn unseen_shrinks_as_cells_fill() {
 }
 
 #[test]
+fn the_share_is_that_of_the_cells_that_are_not_unseen() {
+    let mut coverage = Coverage::default();
+    for k in 0..4000_u32 {
+        coverage.count_latest([3, 400, 40, usize::MAX][k as usize / 100 % 4]);
+        let t = f64::from(k);
+        coverage.see(Some(&Vector3::new((1.7 * t).sin(), (2.3 * t).cos(), (0.37 * t).sin())));
+        let seen = CELLS - coverage.unseen_directions().len();
+        assert_eq!(coverage.share(), seen as f64 / CELLS as f64, "{k}");
+    }
+}
+
+#[test]
 fn a_direction_counts_until_it_has_left_the_window() {
     let mut coverage = Coverage::default();
     coverage.count_latest(3);

@@ -116,31 +116,33 @@ impl ByGyroscope {
         true
     }
 
-    pub fn push(&mut self, sample: &MagneticSample, paired: &PairedInertial) -> (Status, Answer) {
+    pub fn push(&mut self, sample: &MagneticSample, paired: &PairedInertial, answer: &mut Answer) -> Status {
         let MagneticSample { time_ns, field_ut: raw_ut } = *sample;
         let (gyroscope, is_contradicted) = (self.gyroscope, self.is_contradicted);
-        let (status, mut answer) = match &mut self.own {
-            Own::Aided(aided) => aided.push(time_ns, raw_ut, paired),
+        let mut status;
+        match &mut self.own {
+            Own::Aided(aided) => status = aided.push(time_ns, raw_ut, paired, answer),
             Own::Both(aided, adaptive) if gyroscope != Gyroscope::Absent => {
-                let mut told = aided.push(time_ns, raw_ut, paired);
+                status = aided.push(time_ns, raw_ut, paired, answer);
                 if gyroscope == Gyroscope::Tried && is_doubted(aided, is_contradicted) {
                     let other = adaptive.push(time_ns, &raw_ut, paired.up_m_s2);
                     if !knows_more(aided, adaptive, is_contradicted) {
-                        let carry = told.1.carry.filter(|_| !is_contradicted);
-                        told = (other.0, Answer { carry, ..other.1 });
+                        let carry = answer.carry.filter(|_| !is_contradicted);
+                        (status, *answer) = (other.0, Answer { carry, ..other.1 });
                     }
                 }
-                told
             }
-            Own::Both(_, adaptive) | Own::Adaptive(adaptive) => adaptive.push(time_ns, &raw_ut, paired.up_m_s2),
-        };
+            Own::Both(_, adaptive) | Own::Adaptive(adaptive) => {
+                (status, *answer) = adaptive.push(time_ns, &raw_ut, paired.up_m_s2);
+            }
+        }
         if gyroscope == Gyroscope::Tried && !is_contradicted && self.aided().is_some_and(Aided::has_learned) {
             (self.gyroscope, self.given) = (Gyroscope::InUse, None);
         }
         let known = self.figures.is_due(sample.time_ns).then(|| self.known());
-        self.figures.finish(&mut answer, sample, known);
+        self.figures.finish(answer, sample, known);
         answer.window = self.window();
-        (status, answer)
+        status
     }
 
     /// Whether there is a gyroscope that carries on where the field points.

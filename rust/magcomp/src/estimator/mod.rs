@@ -42,11 +42,15 @@ impl Estimator {
         }
     }
 
-    /// One sample that was checked, with what the other sensors said.
-    pub fn push(&mut self, sample: &MagneticSample, paired: &PairedInertial) -> (Status, Answer) {
+    /// One sample that was checked, with what the other sensors said. Fills an `answer` that says nothing yet: it is large.
+    pub fn push(&mut self, sample: &MagneticSample, paired: &PairedInertial, answer: &mut Answer) -> Status {
         match self {
-            Self::ByGyroscope(it) => it.push(sample, paired),
-            Self::Windowed(windowed) => windowed.push(sample, paired.up_m_s2),
+            Self::ByGyroscope(it) => it.push(sample, paired, answer),
+            Self::Windowed(windowed) => {
+                let status;
+                (status, *answer) = windowed.push(sample, paired.up_m_s2);
+                status
+            }
         }
     }
 

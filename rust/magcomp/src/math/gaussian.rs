@@ -11,7 +11,7 @@
 mod tests;
 
 use core::ops::Range;
-use nalgebra::{ArrayStorage, Const, MatrixViewMut, SMatrix, SVector};
+use nalgebra::{ArrayStorage, Const, MatrixView, MatrixViewMut, SMatrix, SVector};
 
 /// A part of a state: `LEN` numbers in a row.
 #[derive(Clone, Copy, Debug)]
@@ -78,6 +78,15 @@ impl<const LEN: usize> Part<LEN> {
     pub fn block<const N: usize>(self, of: &SMatrix<f64, N, N>) -> SMatrix<f64, LEN, LEN> {
         let column = |k| core::array::from_fn(|i| of[(self.first + i, k)]);
         SMatrix::from_data(ArrayStorage(core::array::from_fn(|k| column(self.first + k))))
+    }
+
+    /// The same, where it is.
+    #[inline(always)]
+    pub fn view<const N: usize>(
+        self,
+        of: &SMatrix<f64, N, N>,
+    ) -> MatrixView<'_, f64, Const<LEN>, Const<LEN>, Const<1>, Const<N>> {
+        of.fixed_view::<LEN, LEN>(self.first, self.first)
     }
 
     /// The same, to be changed.
@@ -156,7 +165,7 @@ impl<const N: usize> Gaussian<N> {
 
     /// Adds an independent error of each number of a part.
     pub fn add_variance<const LEN: usize>(&mut self, part: Part<LEN>, variance: f64) {
-        self.add(part, &SMatrix::from_diagonal_element(variance));
+        part.range().for_each(|k| self.covariance[(k, k)] += variance);
     }
 
     /// Makes a part independent of all others, with the covariance `own`.
@@ -176,7 +185,7 @@ impl<const N: usize> Gaussian<N> {
 
     /// Corrects by R measured numbers, but for what is `held`. See the module for `gain` and `white`.
     #[inline(always)]
-    pub fn correct<const R: usize>(&mut self, mut gain: SMatrix<f64, N, R>, white: &SVector<f64, R>, held: Held<'_>) {
+    pub fn correct<const R: usize>(&mut self, gain: &SMatrix<f64, N, R>, white: &SVector<f64, R>, held: Held<'_>) {
         let mut add = |v: &SMatrix<f64, N, R>, sign: f64| {
             let own = v * sign;
             // the lower half of P alone, columns in fours as vector units take them
@@ -190,16 +199,17 @@ impl<const N: usize> Gaussian<N> {
                 }
             }
         };
-        add(&gain, -1.0);
+        add(gain, -1.0);
+        let before = self.mean;
+        self.mean += gain * white;
         if !held.is_empty() {
             let mut kept = SMatrix::<f64, N, R>::zeros();
             for k in held.iter().cloned().flatten() {
                 kept.set_row(k, &gain.row(k));
-                gain.row_mut(k).fill(0.0);
+                self.mean[k] = before[k];
             }
             add(&kept, 1.0);
         }
         self.covariance.fill_upper_triangle_with_lower_triangle();
-        self.mean += gain * white;
     }
 }

@@ -15,6 +15,15 @@ pub(crate) fn symmetric<const N: usize>(x: &SVector<f64, N>) -> Matrix3<f64> {
     Matrix3::new(x[0], x[3], x[4], x[3], x[1], x[5], x[4], x[5], x[2])
 }
 
+/// The inverse of a symmetric matrix, whose lower triangle is read.
+pub(crate) fn inverse(m: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+    let (xx, yx, zx) = (m.m22 * m.m33 - m.m32 * m.m32, m.m31 * m.m32 - m.m21 * m.m33, m.m21 * m.m32 - m.m31 * m.m22);
+    let determinant = m.m11 * xx + m.m21 * yx + m.m31 * zx;
+    let (yy, zz) = (m.m11 * m.m33 - m.m31 * m.m31, m.m11 * m.m22 - m.m21 * m.m21);
+    let minors = SVector::from([xx, yy, zz, yx, zx, m.m21 * m.m31 - m.m32 * m.m11]);
+    (determinant != 0.0).then(|| symmetric(&(minors / determinant)))
+}
+
 /// The six elementary matrices.
 pub(crate) fn basis() -> [Matrix3<f64>; 6] {
     core::array::from_fn(|k| symmetric(&SVector::<f64, 6>::ith(k, 1.0)))
@@ -39,6 +48,15 @@ mod tests {
         let mut lopsided = m;
         lopsided[(2, 0)] = f64::NAN;
         assert_eq!(six(&lopsided), six(&m));
+    }
+
+    #[test]
+    fn the_inverse_is_that_of_any_matrix() {
+        for k in 0..20 {
+            let m = example() + Matrix3::from_diagonal_element(f64::from(k) - 10.3);
+            assert_eq!(inverse(&m), m.try_inverse());
+        }
+        assert_eq!(inverse(&Matrix3::repeat(2.0)), None);
     }
 
     #[test]

@@ -22,7 +22,7 @@ pub(crate) struct Turn {
 
 impl Turn {
     /// By the angle |v|, in radians, about v.
-    #[inline]
+    #[inline(always)]
     pub fn by(v: &Vector3<f64>) -> Self {
         let angle2 = v.norm_squared();
         let [first, second, third] = turn_factors(angle2);

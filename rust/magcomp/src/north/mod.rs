@@ -103,7 +103,7 @@ impl North {
 
     /// One sample: what the estimator answered, with the headings from outside.
     pub fn step(&mut self, time_ns: i64, answer: &mut Answer, declination_deg: Option<f64>) {
-        let Some(carry) = answer.carry else {
+        let Some(carry) = &answer.carry else {
             (self.carried, self.rival, self.history) = (None, None, History::default());
             return;
         };
@@ -111,6 +111,7 @@ impl North {
         if self.carried.is_none() && self.rival.is_none() && self.waiting.is_empty() {
             return; // nobody speaks
         }
+        let carry = *carry;
         let own = Own::of(answer, carry.tilt_rad2).or_else(|| Own::unknown(carry.up?));
         for it in [&mut self.carried, &mut self.rival].into_iter().flatten() {
             it.step(&carry, own.as_ref().map(|own| &own.level.up));

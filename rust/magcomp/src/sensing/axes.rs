@@ -29,7 +29,7 @@ use crate::math::elementary::ln;
 use crate::math::turn::Turn;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField as _;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// Choice: readings on end that a living axis does not repeat: 5 was the most in 57 recordings.
 const REPEATS: u32 = 50;
@@ -42,12 +42,47 @@ const WHOLE_TURN_RAD: f64 = core::f64::consts::TAU;
 const SETS: usize = 8;
 /// Mathematics: the sets, and degrees.
 const WAYS: usize = SETS + 1;
+/// Mathematics: signs of the axes for the sets of an even number of them; those of the others are the opposite.
+#[rustfmt::skip]
+const SIGNS: [f64; 12] = [
+    1.0, 1.0, 1.0,
+    -1.0, -1.0, 1.0,
+    -1.0, 1.0, -1.0,
+    1.0, -1.0, -1.0,
+];
+
+/// A vector of gravity as each of the ways turns it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+struct Carried {
+    /// In rows, of the sets with the signs turned over: those of an even number of axes, and the opposite of those of an odd one.
+    sets: [SMatrix<f64, 4, 3>; 2],
+    degrees: Vector3<f64>,
+}
+
+impl Carried {
+    /// With the signs S of a set turned over the device turns by S R S, or by S R' S where their number is odd: S a is carried.
+    fn turn(&mut self, read: &Matrix3<f64>, degrees: &Matrix3<f64>) {
+        self.sets[0] *= read.transpose();
+        self.sets[1] *= read;
+        self.degrees = degrees * self.degrees;
+    }
+
+    fn add(&mut self, up: &Vector3<f64>) {
+        let signed = SMatrix::<f64, 4, 3>::from_row_slice(&SIGNS) * Matrix3::from_diagonal(up);
+        self.sets.iter_mut().for_each(|it| *it += signed);
+        self.degrees += up;
+    }
+
+    fn ways(&self) -> impl Iterator<Item = Vector3<f64>> {
+        self.sets.iter().flat_map(|it| it.row_iter()).map(|row| row.transpose()).chain([self.degrees])
+    }
+}
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Axes {
     /// a and a', for the turn as it is read and each rival's; of the sets with the signs of their axes turned over.
-    sum: [Vector3<f64>; WAYS],
-    before: Option<[Vector3<f64>; WAYS]>,
+    sum: Carried,
+    before: Option<Carried>,
     length_s: f64,
     /// D and n.
     moved: [f64; WAYS],
@@ -102,18 +137,10 @@ impl Axes {
     pub fn see(&mut self, up_m_s2: &Vector3<f64>, turn_rad: &Vector3<f64>, span_s: f64) {
         let turned = |turn_rad: Vector3<f64>| Turn::by(&-turn_rad).rotation;
         let (read, degrees) = (turned(*turn_rad), turned(turn_rad.map(f64::to_radians)));
-        let (back, up) = (read.transpose(), up_m_s2 * span_s);
-        // with the signs S of a set turned over the device turns by S R S, or by S R' S where the number of signs is odd: S a is carried
-        for way in 0..WAYS {
-            let turn = match way {
-                SETS => &degrees,
-                set if set.count_ones() % 2 == 0 => &read,
-                _ => &back,
-            };
-            self.sum[way] = turn * self.sum[way] + up.component_mul(&signs(way));
-            if let Some(before) = &mut self.before {
-                before[way] = turn * before[way];
-            }
+        self.sum.turn(&read, &degrees);
+        self.sum.add(&(up_m_s2 * span_s));
+        if let Some(before) = &mut self.before {
+            before.turn(&read, &degrees);
         }
         self.net_rad += turn_rad;
         self.length_s += span_s;
@@ -124,12 +151,16 @@ impl Axes {
 
     /// A window is full.
     fn compare(&mut self) {
-        let means = core::mem::take(&mut self.sum).map(|sum| sum / self.length_s);
+        let sum = core::mem::take(&mut self.sum);
+        let means = Carried { sets: sum.sets.map(|it| it / self.length_s), degrees: sum.degrees / self.length_s };
         if let Some(before) = self.before.replace(means) {
             let by_bias = LARGEST_BIAS_RAD_S * TILT_S * GRAVITY_M_S2;
-            self.is_frozen |= self.frozen_s > 2.0 * self.length_s && (means[0] - before[0]).norm() > by_bias;
-            for way in 0..WAYS {
-                self.moved[way] = self.moved[way] * KEPT + (means[way] - before[way]).norm_squared();
+            let as_read = |it: &Carried| it.sets[0].row(0).transpose();
+            let has_moved = (as_read(&means) - as_read(&before)).norm() > by_bias;
+            self.is_frozen |= self.frozen_s > 2.0 * self.length_s && has_moved;
+            let changes = means.ways().zip(before.ways()).map(|(mean, before)| (mean - before).norm_squared());
+            for (moved, change_m2_s4) in self.moved.iter_mut().zip(changes) {
+                *moved = *moved * KEPT + change_m2_s4;
             }
             self.net_rad2 = self.net_rad2 * KEPT + self.net_rad.norm_squared();
             self.pairs = self.pairs * KEPT + 1.0;
@@ -141,7 +172,7 @@ impl Axes {
 
     /// The chain of rotations broke: no window reaches across.
     pub fn pause(&mut self) {
-        (self.sum, self.before, self.length_s) = ([Vector3::zeros(); WAYS], None, 0.0);
+        (self.sum, self.before, self.length_s) = (Carried::default(), None, 0.0);
         self.net_rad = Vector3::zeros();
     }
 
@@ -160,11 +191,6 @@ impl Axes {
         let by_bias = self.pairs * (LARGEST_BIAS_RAD_S * TILT_S * GRAVITY_M_S2).powi(2);
         is_no_chance(self.pairs * ln((self.moved[0] + by_bias) / (self.moved[way] + by_bias)))
     }
-}
-
-/// 1, and -1 for the axes of a set, of which degrees have none.
-fn signs(set: usize) -> Vector3<f64> {
-    Vector3::from_fn(|axis, _| if set >> axis & 1 == 1 { -1.0 } else { 1.0 })
 }
 
 #[cfg(test)]

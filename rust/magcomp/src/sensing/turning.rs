@@ -114,7 +114,7 @@ impl Turning {
 
     /// By what a window counts: two of them, all that a step of the field is seen in, can't reach the bound, whatever explains them.
     fn share(&self, changes: &Changes) -> f64 {
-        let (as_read, b_ut) = self.fit(AS_READ);
+        let (as_read, b_ut) = self.fit(AS_READ, &self.by_turns());
         let w = |i: usize, k: usize| changes[3 + 3 * i + k];
         let of_turns = Vector3::new(w(1, 2) - w(2, 1), w(2, 0) - w(0, 2), w(0, 1) - w(1, 0));
         let left = changes.fixed_rows::<3>(0) + of_turns + changes.fixed_rows::<3>(12).cross(&b_ut);
@@ -131,7 +131,8 @@ impl Turning {
         let by_bias = self.by_bias();
         let explains = |left: f64, other: f64| is_no_chance(self.windows * ln((other + by_bias) / (left + by_bias)));
         let unmoved = self.moments.fixed_view::<3, 3>(0, 0).trace();
-        let left = |frame| self.fit(frame).0;
+        let by_turns = self.by_turns();
+        let left = |frame| self.fit(frame, &by_turns).0;
         let as_read = left(AS_READ);
         if !explains(0.0, as_read) {
             // no rival could
@@ -149,25 +150,38 @@ impl Turning {
     }
 
     /// S_G, and the b of it.
-    fn fit(&self, frame: Frame) -> (f64, Vector3<f64>) {
-        let moment = |a: &[(usize, f64)], b: &[(usize, f64)]| -> f64 {
-            a.iter().map(|(i, s)| b.iter().map(|(k, t)| s * t * self.moments[(*i, *k)]).sum::<f64>()).sum()
-        };
+    fn fit(&self, frame: Frame, by_turns: &Matrix3<f64>) -> (f64, Vector3<f64>) {
+        // never larger: so the compiler sees that it stays within the moments
+        let frame = frame.map(|(from, sign)| (from.min(2), sign));
+        let moment = |(i, s): (usize, f64), (k, t): (usize, f64)| s * t * self.moments[(i, k)];
         // G W: row i, column k
         let w = |i: usize, k: usize, sign: f64| (3 + 3 * frame[i].0 + k, sign * frame[i].1);
         let left = [0, 1, 2].map(|i| {
             let (a, b) = ((i + 1) % 3, (i + 2) % 3);
             [(i, 1.0), w(a, b, 1.0), w(b, a, -1.0)]
         });
-        let turned = frame.map(|(from, sign)| [(12 + from, sign)]);
-        let sum: f64 = left.iter().map(|part| moment(part, part)).sum();
-        let square = Matrix3::from_fn(|i, k| moment(&turned[i], &turned[k]));
-        let cross = |i: usize, k: usize| moment(&turned[i], &left[k]);
-        let right = Vector3::new(cross(2, 1) - cross(1, 2), cross(0, 2) - cross(2, 0), cross(1, 0) - cross(0, 1));
-        // a turn about one axis alone leaves a part of b open
+        let square = |(i, _): (usize, f64)| self.moments[(i, i)];
+        let of_one = |[a, b, c]: [(usize, f64); 3]| {
+            square(a) + square(b) + square(c) + 2.0 * (moment(a, b) + moment(a, c) + moment(b, c))
+        };
+        let sum: f64 = left.map(of_one).iter().sum();
+        let cross = |i: usize, k: usize| -> f64 { left[k].map(|part| moment((12 + i, 1.0), part)).iter().sum() };
+        // G' of what b is found from: both stand along the axes of the rates
+        let mut right = Vector3::zeros();
+        for (i, (from, sign)) in frame.into_iter().enumerate() {
+            let (a, b) = (frame[(i + 1) % 3], frame[(i + 2) % 3]);
+            right[from] = sign * (b.1 * cross(b.0, (i + 1) % 3) - a.1 * cross(a.0, (i + 2) % 3));
+        }
+        let b_ut = by_turns * right;
+        (sum - right.dot(&b_ut), -Vector3::from(frame.map(|(from, sign)| sign * b_ut[from])))
+    }
+
+    /// What b follows by from what changes of the field and turns have in common: the inverse of sum (|A|^2 I - A A^T). A turn about one axis alone leaves a part of
+    /// b open.
+    fn by_turns(&self) -> Matrix3<f64> {
+        let square: Matrix3<f64> = self.moments.fixed_view::<3, 3>(12, 12).into();
         let normal = Matrix3::identity() * (square.trace() + 1e-6) - square * (1.0 - 1e-6);
-        let b_ut = normal.cholesky().map_or_else(Vector3::zeros, |it| it.solve(&right));
-        (sum - right.dot(&b_ut), -b_ut)
+        normal.cholesky().map_or_else(Matrix3::zeros, |it| it.inverse())
     }
 }
 
@@ -351,7 +365,7 @@ mod tests {
             }
             let solved = rows.svd(true, true).solve(&right, 1e-12).unwrap();
             let expected = (rows * solved - right).norm_squared();
-            let (left, _) = turning.fit(frame);
+            let (left, _) = turning.fit(frame, &turning.by_turns());
             assert!((left / expected - 1.0).abs() < 1e-4, "{left} {expected}");
         }
     }

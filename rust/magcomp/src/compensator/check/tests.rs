@@ -9,7 +9,7 @@ fn sample(time_ns: i64, x: f64) -> MagneticSample {
 
 #[test]
 fn each_reason_has_its_limit() {
-    let check = |sample, rail_ut| Stream::default().check(&sample, 2000.0, rail_ut, &Tuning::USED, false);
+    let check = |sample, rail_ut| Stream::default().check(&sample, 2000.0, rail_ut, &Tuning::USED, || false);
     assert_eq!(check(sample(0, f64::NAN), None), Err(RejectReason::NotFinite));
     assert_eq!(check(sample(0, -2000.0), None), Ok(()));
     assert_eq!(check(sample(0, -2000.1), None), Err(RejectReason::OutOfRange { value_ut: -2000.1, limit_ut: 2000.0 }));
@@ -21,7 +21,7 @@ fn each_reason_has_its_limit() {
 fn time_goes_forward_by_a_week_at_the_most() {
     let mut stream = Stream::default();
     assert_eq!((stream.latest_ns(), stream.accept(sample(5 * SECOND, 1.0))), (None, None));
-    let check = |time_ns| stream.check(&sample(time_ns, 2.0), 2000.0, None, &Tuning::USED, false);
+    let check = |time_ns| stream.check(&sample(time_ns, 2.0), 2000.0, None, &Tuning::USED, || false);
     let week = 604_800 * SECOND;
     assert_eq!([check(5 * SECOND + 1), check(5 * SECOND + week)], [Ok(()); 2]);
     let not_after = |time_ns| Err(RejectReason::TimeNotAfter { time_ns, latest_ns: 5 * SECOND });
@@ -35,18 +35,18 @@ fn time_goes_forward_by_a_week_at_the_most() {
 fn fifty_equal_samples_are_taken_and_no_more() {
     let mut stream = Stream::default();
     for k in 0..50 {
-        assert_eq!(stream.check(&sample(k, 1.0), 2000.0, None, &Tuning::USED, false), Ok(()), "{k}");
+        assert_eq!(stream.check(&sample(k, 1.0), 2000.0, None, &Tuning::USED, || false), Ok(()), "{k}");
         stream.accept(sample(k, 1.0));
     }
     assert_eq!(
-        stream.check(&sample(50, 1.0), 2000.0, None, &Tuning::USED, false),
+        stream.check(&sample(50, 1.0), 2000.0, None, &Tuning::USED, || false),
         Err(RejectReason::Stuck { repeats: 50 })
     );
-    assert_eq!(stream.check(&sample(50, 1.1), 2000.0, None, &Tuning::USED, false), Ok(()));
+    assert_eq!(stream.check(&sample(50, 1.1), 2000.0, None, &Tuning::USED, || false), Ok(()));
     // another one ends the row
     stream.accept(sample(50, 1.1));
     stream.accept(sample(51, 1.0));
-    assert_eq!(stream.check(&sample(52, 1.0), 2000.0, None, &Tuning::USED, false), Ok(()));
+    assert_eq!(stream.check(&sample(52, 1.0), 2000.0, None, &Tuning::USED, || false), Ok(()));
 }
 
 const LATE: RejectReason = RejectReason::TimeNotAfter { time_ns: 0, latest_ns: 0 };

@@ -29,7 +29,7 @@ use nalgebra::ComplexField as _;
 impl Aided {
     /// One sample with a rotation.
     #[inline(always)]
-    pub(super) fn with_rotation(&mut self, step: &Step) -> (Status, Answer) {
+    pub(super) fn with_rotation(&mut self, step: &Step, answer: &mut Answer) -> Status {
         match self.phase {
             Phase::Starting(_) => self.collect(step),
             Phase::Running(..) | Phase::Undecided(..) => self.learn(step),
@@ -39,11 +39,18 @@ impl Aided {
             if let Some(strength_ut) = running.lost_strength_ut.take_if(|_| !step.is_blank) {
                 running.filter.update_strength(strength_ut, self.tuning.adopt_sd_ut.powi(2));
             }
-            if !running.filter.is_finite() {
+            // a sample turns m, and a frame alone changes the rest
+            let is_finite = if self.frame.is_empty() {
+                running.filter.is_finite()
+            } else {
+                running.filter.part(FIELD).sum().is_finite()
+            };
+            if !is_finite {
                 self.begin(None);
             }
         }
-        (self.status(), self.published(step).unwrap_or_default())
+        self.publish(step, answer);
+        self.status()
     }
 
     /// The start's part of one sample.
@@ -125,7 +132,9 @@ impl Aided {
             }
             return;
         }
-        let Some((innovation, is_gated)) = self.test(step, is_open) else { return };
+        let Some(running) = self.phase.running_mut() else { return };
+        let Some(innovation) = &running.filter.innovation(step, &self.tuning) else { return };
+        let is_gated = self.test(step, innovation, is_open);
         let Some(running) = self.phase.running_mut() else { return };
         // after a pause it is not known where the field points: both are tried
         let is_blind = running.lost_strength_ut.is_some();
@@ -149,10 +158,10 @@ impl Aided {
             return self.changes.run_trial(&mut self.phase, step, &self.tuning);
         }
         if usage == SampleUse::Used {
-            self.absorb(step, &innovation);
+            self.absorb(step, innovation);
         }
         if !step.resting {
-            self.adaptation.add_innovation(&innovation, step.motion, step.dt_s, &self.tuning);
+            self.adaptation.add_innovation(innovation, step.motion, step.dt_s, &self.tuning);
         }
         self.changes.look_at_misfits(&mut self.phase, step, &self.tuning);
     }
@@ -170,11 +179,10 @@ impl Aided {
         self.adaptation.mean.step(raw_ut, &x, &turn.rotation, step.dt_s, memory_s, &self.tuning);
     }
 
-    /// The innovation of a frame, and whether the gate refuses it. `None` where it cannot be formed.
-    fn test(&mut self, step: &FrameStep, is_open: bool) -> Option<(Innovation, bool)> {
-        let running = self.phase.running_mut()?;
+    /// Whether the gate refuses a frame of this innovation.
+    fn test(&mut self, step: &FrameStep, innovation: &Innovation, is_open: bool) -> bool {
+        let Some(running) = self.phase.running_mut() else { return false };
         let filter = &mut running.filter;
-        let innovation = filter.innovation(step, &self.tuning)?;
         // a slow change hides in d. Once d is larger than a place explains, it is a misfit
         let local_ut = filter.part(LOCAL);
         let most_ut2 = self.tuning.gate * self.adaptation.largest_local_ut2(&self.tuning);
@@ -187,7 +195,7 @@ impl Aided {
         if let Some(variance) = step.bias_variance {
             filter.update_bias(&step.rate_rad_s, variance);
         }
-        Some((innovation, is_gated))
+        is_gated
     }
 
     /// Corrects the filter by a frame that fits, and `up` and the noise levels by what that teaches.

@@ -82,6 +82,21 @@ impl Model {
     }
 }
 
+/// L^-1 and det L of S = L L^T, whose lower triangle is read: a general factorisation costs ten times as much.
+fn whitening(s: &Matrix3<f64>) -> Option<(Matrix3<f64>, f64)> {
+    let root = |square: f64| (square > 0.0).then(|| square.sqrt());
+    let x = root(s.m11)?;
+    let (yx, zx) = (s.m21 / x, s.m31 / x);
+    let y = root(s.m22 - yx * yx)?;
+    let zy = (s.m32 - yx * zx) / y;
+    let z = root(s.m33 - zx * zx - zy * zy)?;
+    let mut inverse = Matrix3::from_diagonal(&Vector3::new(1.0 / x, 1.0 / y, 1.0 / z));
+    inverse.m21 = -yx * inverse.m11 / y;
+    inverse.m31 = (-zx * inverse.m11 - zy * inverse.m21) / z;
+    inverse.m32 = -zy * inverse.m22 / z;
+    Some((inverse, x * y * z))
+}
+
 impl Filter {
     /// B_i = sum_jl P(E_ij, E_il) (P_mm + P_dd)_jl + P(E_ij, m_l) P(m_j, E_il), not below zero.
     fn second_order(&self) -> Vector3<f64> {
@@ -108,18 +123,24 @@ impl Filter {
         let ph = covariance::<STATES, 3>(|k, i| self.covariance[(k, i)], |dx| model.times(dx));
         let s = covariance::<3, 3>(|k, i| ph[(i, k)], |dx| model.times(dx))
             + Matrix3::from_diagonal(&bilinear_ut2.add_scalar(sigma_ut * sigma_ut));
-        let l = s.cholesky()?.unpack();
-        let l_inverse = l.solve_lower_triangular(&Matrix3::identity())?;
+        let (l_inverse, root_det) = whitening(&s)?;
         let v = raw_ut - model.raw_ut;
         let whitened = l_inverse * v;
         let nis = whitened.norm_squared();
-        let ln_det = 2.0 * ln(l.m11 * l.m22 * l.m33);
+        let ln_det = 2.0 * ln(root_det);
+        // P H^T L^-T, of which nothing is above the diagonal of L^-1
+        let mut gain = ph;
+        for k in 0..STATES {
+            gain[(k, 1)] = ph[(k, 0)] * l_inverse.m21 + ph[(k, 1)] * l_inverse.m22;
+            gain[(k, 2)] = ph[(k, 0)] * l_inverse.m31 + ph[(k, 1)] * l_inverse.m32 + ph[(k, 2)] * l_inverse.m33;
+            gain[(k, 0)] *= l_inverse.m11;
+        }
         (nis.is_finite() && ln_det.is_finite()).then(|| Innovation {
             v,
             nis,
             ln_det,
             variance_ut2: s.diagonal(),
-            gain: ph * l_inverse.transpose(),
+            gain,
             whitened,
         })
     }
@@ -131,7 +152,7 @@ impl Filter {
 
     /// Corrects the state by an innovation found from this very state; the states of `held` stay.
     pub(crate) fn update(&mut self, innovation: &Innovation, held: Held<'_>) {
-        self.correct_soundly(innovation.gain, &innovation.whitened, held);
+        self.correct_soundly(&innovation.gain, &innovation.whitened, held);
     }
 
     /// The scalar measurement |m| = `strength_ut` with the given variance, m and its companions corrected.
@@ -147,7 +168,7 @@ impl Filter {
         // what the curvature of |m| hides: half the variance across, over |m|
         let across = (self.variances(FIELD).sum() - along).max(0.0) / size;
         let sd = (along + variance + 0.5 * across * across).sqrt();
-        self.correct_soundly(hp / sd, &SVector::from([(strength_ut - size) / sd]), NONE);
+        self.correct_soundly(&(hp / sd), &SVector::from([(strength_ut - size) / sd]), NONE);
     }
 
     /// The measurement g = rate (at rest), with `variance` per axis; b, e, tau and s hold (Schmidt).
@@ -156,7 +177,7 @@ impl Filter {
             let column = self.covariance.column(k).into_owned();
             let sd = (column[k] + variance).sqrt();
             let off = SVector::from([(rate - self.mean[k]) / sd]);
-            self.correct_soundly(column / sd, &off, ALL_BUT_FIELD_AND_BIAS);
+            self.correct_soundly(&(column / sd), &off, ALL_BUT_FIELD_AND_BIAS);
         }
     }
 }

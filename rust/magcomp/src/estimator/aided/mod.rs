@@ -180,15 +180,22 @@ impl Aided {
     ///
     /// The compensator has checked the sample: it is finite, and later than the one before. The pairing has checked the events: they are
     /// within the ranges of phones' sensors.
-    pub fn push(&mut self, time_ns: i64, raw_ut: Vector3<f64>, inertial: &PairedInertial) -> (Status, Answer) {
-        self.add(time_ns, raw_ut, inertial, false)
+    pub fn push(
+        &mut self,
+        time_ns: i64,
+        raw_ut: Vector3<f64>,
+        inertial: &PairedInertial,
+        answer: &mut Answer,
+    ) -> Status {
+        self.add(time_ns, raw_ut, inertial, false, answer)
     }
 
     /// A sample whose field is of no use: what is known of the field turns with the device.
     pub fn carry(&mut self, time_ns: i64, inertial: &PairedInertial) -> Answer {
         // where the chain of rotations breaks, nothing better is known than that the field was there
         let expected_ut = self.phase.known().map_or_else(Vector3::zeros, Filter::expected_ut);
-        let (_, mut answer) = self.add(time_ns, expected_ut, inertial, true);
+        let mut answer = Answer::default();
+        self.add(time_ns, expected_ut, inertial, true, &mut answer);
         // there is no sample that could be corrected
         (answer.field_ut, answer.field_covariance_ut2) = (None, None);
         answer
@@ -206,15 +213,22 @@ impl Aided {
     }
 
     /// A sample, or only its time where it is blank.
-    fn add(&mut self, time_ns: i64, raw_ut: Vector3<f64>, paired: &PairedInertial, is_blank: bool) -> (Status, Answer) {
+    fn add(
+        &mut self,
+        time_ns: i64,
+        raw_ut: Vector3<f64>,
+        paired: &PairedInertial,
+        is_blank: bool,
+        answer: &mut Answer,
+    ) -> Status {
         let dt_s = self.senses.next(time_ns);
         // the accelerometer has the gyroscope's axes
         let to_device = Turn::by(&self.misalignment()).rotation;
         let up = paired.up_m_s2.map(|up| to_device.tr_mul(&up));
-        let (status, mut answer) = if let (Some(rotation), Some(dt_s)) = (&paired.rotation, dt_s) {
+        let status = if let (Some(rotation), Some(dt_s)) = (&paired.rotation, dt_s) {
             let (taken, noise) = (Taken { time_ns, dt_s, raw_ut, is_blank }, self.process_noise(rotation));
             let step = self.senses.step(&taken, rotation, up, &self.phase, noise, &self.tuning);
-            let (status, mut answer) = self.with_rotation(&step);
+            let status = self.with_rotation(&step, answer);
             answer.mode = if up.is_some() { SensorMode::GyroscopeAndGravity } else { SensorMode::GyroscopeOnly };
             let bias_rad2_s2 = self.phase.known().map_or(step.bias_sd_rad_s.powi(2), |filter| {
                 // where m follows the place more than the filter expects, the gyroscope's bias is as much less certain
@@ -234,14 +248,15 @@ impl Aided {
                 span_s: dt_s,
                 noise_rad2: step.noise.turn_rad2(dt_s),
             });
-            (status, answer)
+            status
         } else {
             self.without_rotation(&raw_ut, up, dt_s.unwrap_or(0.0));
-            let (status, answer) = self.held(&raw_ut);
-            (status, answer.without_gyroscope(up))
+            let (status, held) = self.held(&raw_ut);
+            *answer = held.without_gyroscope(up);
+            status
         };
         (answer.up, answer.event) = (self.senses.motion.up, self.changes.event);
         answer.turn(&to_device);
-        (status, answer)
+        status
     }
 }

@@ -50,7 +50,8 @@ pub(crate) struct ProcessNoise {
 fn changed(f: [Matrix3<f64>; 4], dx: &Parts, added: &Vector3<f64>) -> Vector6<f64> {
     let [m_by_m, d_by_d, m_by_turn, d_by_turn] = f;
     let m = m_by_m * dx.field - m_by_turn * added;
-    let d = d_by_d * dx.local - d_by_turn * added;
+    // what d has in common with others fades, and ends before it costs more than a number
+    let d = (d_by_d * dx.local - d_by_turn * added).map(faded);
     Vector6::new(m.x, m.y, m.z, d.x, d.y, d.z)
 }
 
@@ -94,13 +95,17 @@ impl Filter {
         let times = |dx: Parts| changed([m_by_m, d_by_d, m_by_turn, d_by_turn], &dx, &added(&dx));
         let p = &mut self.covariance;
         let places = || FIELD.range().chain(LOCAL.range());
-        // P F^T: in each row the numbers of m and d; what d has in common with others fades, and ends before it costs more than a number
+        // P F^T: in each row the numbers of m and d
         for k in 0..STATES {
-            let row = times(Parts::of(|i| p[(k, i)])).map(faded);
+            let row = times(Parts::of(|i| p[(k, i)]));
             places().zip(&row).for_each(|(i, value)| p[(k, i)] = *value);
         }
-        // F (P F^T): the rows of m and d, which but for their own columns are the columns mirrored
-        for k in places() {
+        // F (P F^T): the rows of m and d, which but for their own columns are the columns mirrored; so is m with d
+        for k in FIELD.range() {
+            let column = times(Parts::of(|i| p[(i, k)]));
+            FIELD.range().zip(&column).for_each(|(i, value)| p[(i, k)] = *value);
+        }
+        for k in LOCAL.range() {
             let column = times(Parts::of(|i| p[(i, k)]));
             places().zip(&column).for_each(|(i, value)| p[(i, k)] = *value);
         }

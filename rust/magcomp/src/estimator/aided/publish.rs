@@ -24,27 +24,26 @@ use crate::reading::{HoldReason, Missing, Status};
 use crate::strength::EARTH_UT;
 
 impl Aided {
-    /// What is published after a sample with a rotation; `None` where c or f has no value. Their covariances are those of the latest frame.
+    /// What is published after a sample with a rotation, nothing where c or f has no value. Their covariances are those of the latest frame.
     #[inline(always)]
-    pub(super) fn published(&mut self, step: &Step) -> Option<Answer> {
-        let filter = self.phase.known()?;
+    pub(super) fn publish(&mut self, step: &Step, answer: &mut Answer) {
+        let Some(filter) = self.phase.known() else { return };
         let x = filter.parts();
-        let (w, still) = x.corrected(&step.raw_ut)?;
+        let Some((w, still)) = x.corrected(&step.raw_ut) else { return };
         let late_rad = x.true_rate(&step.delayed_rad_s) * (x.delay + step.late_s);
         let c = Turn::by(&-late_rad).rotation * still;
         let f = self.earth_ut(filter);
-        let covariances = self
-            .covariances
-            .filter(|_| !self.frame.is_empty())
-            .unwrap_or_else(|| self.covariance_ut2(step, filter, &w, &f));
-        self.covariances = Some(covariances);
-        let [p_c, p_f] = covariances;
+        if self.frame.is_empty() || self.covariances.is_none() {
+            self.covariances = Some(self.covariance_ut2(step, filter, &w, &f));
+        }
+        let Some([p_c, p_f]) = self.covariances else { return };
         let (c, f) = (Gaussian { mean: c, covariance: p_c }, Gaussian { covariance: p_f, ..f });
-        let mut answer = self.answer(filter, c, Some(f))?;
+        if !self.answer(filter, c, Some(f), answer) {
+            return;
+        }
         let field_rad2 = p_f.trace() / 3.0 / filter.part(FIELD).norm_squared();
         answer.common_rad2 = self.senses.motion.common_rad2(field_rad2, &self.tuning);
         answer.tilt_rad2 = Some(self.senses.motion.tilt_rad2(answer.common_rad2, &self.tuning));
-        Some(answer)
     }
 
     /// P_c and P_f, uT^2.
@@ -61,8 +60,10 @@ impl Aided {
             // c is wrong by the step if it is the device's
             unseen += running.watch.misfit_ut.powi(2) / 3.0;
         }
-        let p_c =
-            calibration_covariance(&filter.own(CALIBRATION), w, f) + noise + Matrix3::identity() * unseen + timing;
+        let p_c = calibration_covariance(&CALIBRATION.view(&filter.covariance), w, f)
+            + noise
+            + Matrix3::identity() * unseen
+            + timing;
         // an error k of the misalignment turns c and f by k x f
         let (turned, with_field) = filter.misalignment_covariance();
         let across = -f.cross_matrix();
@@ -79,29 +80,33 @@ impl Aided {
         let Some(filter) = self.phase.known() else {
             return (Status::Collecting(Missing::Directions), Answer::default());
         };
-        let answer = filter.parts().corrected(raw_ut).and_then(|(w, c)| {
+        let mut answer = Answer::default();
+        if let Some((w, c)) = filter.parts().corrected(raw_ut) {
             // one-step increments mean nothing without a rotation: no more noise than at the start
             let sigma_ut = self.senses.white.sigma_ut().min(self.tuning.noise_start_ut);
             let noise = w * w.transpose() * sigma_ut.powi(2);
             let floor = Matrix3::identity() * self.adaptation.floor_ut2(&self.tuning);
-            let p_c = calibration_covariance(&filter.own(CALIBRATION), &w, &c) + noise + floor;
-            self.answer(filter, Gaussian { mean: c, covariance: p_c }, None)
-        });
-        (Status::Held(HoldReason::NoGyroscope), answer.unwrap_or_default())
+            let p_c = calibration_covariance(&CALIBRATION.view(&filter.covariance), &w, &c) + noise + floor;
+            self.answer(filter, Gaussian { mean: c, covariance: p_c }, None, &mut answer);
+        }
+        (Status::Held(HoldReason::NoGyroscope), answer)
     }
 
-    /// c, and f if it is known (uT), in the gauge of the known strength; `None` unless they are finite.
+    /// c, and f if it is known (uT), in the gauge of the known strength; whether they are finite: else nothing is answered.
     #[inline(always)]
-    fn answer(&self, filter: &Filter, c: Gaussian<3>, f: Option<Gaussian<3>>) -> Option<Answer> {
-        let is_finite = |it: &Gaussian<3>| it.mean.iter().chain(it.covariance.iter()).all(|v| v.is_finite());
+    fn answer(&self, filter: &Filter, c: Gaussian<3>, f: Option<Gaussian<3>>, answer: &mut Answer) -> bool {
+        let is_finite = |it: &Gaussian<3>| (it.mean.sum() + it.covariance.sum()).is_finite();
         if !is_finite(&c) || !f.iter().all(is_finite) {
-            return None;
+            return false;
         }
         let scale = self.scale(filter);
-        let gauged = |it: Gaussian<3>| (it.mean / scale, it.covariance / (scale * scale));
-        let (field_ut, field_covariance_ut2) = Some(gauged(c)).unzip();
-        let (filtered_field_ut, filtered_covariance_ut2) = f.map(gauged).unzip();
-        Some(Answer { field_ut, field_covariance_ut2, filtered_field_ut, filtered_covariance_ut2, ..Answer::default() })
+        let gauged = |it: Gaussian<3>| match self.known_ut {
+            Some(_) => (it.mean / scale, it.covariance / (scale * scale)),
+            None => (it.mean, it.covariance),
+        };
+        (answer.field_ut, answer.field_covariance_ut2) = Some(gauged(c)).unzip();
+        (answer.filtered_field_ut, answer.filtered_covariance_ut2) = f.map(gauged).unzip();
+        true
     }
 
     /// The status after a sample with a rotation.

@@ -36,16 +36,17 @@ impl Recent {
 
     /// The sample that comes nearest to one of `wait_s` ago, as far back as they are kept, and how long it has waited, s.
     pub(super) fn waited(&self, wait_s: f64) -> (Entry, f64) {
-        let mut nearest = (self.steps[self.newest], 0.0);
+        let mut nearest = (&self.steps[self.newest], 0.0);
         let mut next_s = 0.0;
-        for (step, before) in self.newest_first().zip(self.newest_first().skip(1)) {
-            next_s += step.over_s;
-            if wait_s < next_s - 0.5 * step.over_s {
+        for before in self.newest_first().skip(1) {
+            let over_s = nearest.0.over_s;
+            next_s += over_s;
+            if wait_s < next_s - 0.5 * over_s {
                 break;
             }
-            nearest = (*before, next_s);
+            nearest = (before, next_s);
         }
-        nearest
+        (*nearest.0, nearest.1)
     }
 
     /// Mean reading over the latest `delay_s`, as far back as it is known, rad/s; `None` where the sample is not late.

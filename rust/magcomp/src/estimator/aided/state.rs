@@ -22,6 +22,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use crate::ellipsoid::FitError;
 use crate::math::gaussian::{Gaussian, Held, Part};
+use crate::math::symmetric::inverse;
 use crate::priors::BEYOND_CHANCE;
 
 // the parts in their order, each with the least variance that rounding can carry
@@ -72,6 +73,9 @@ impl Filter {
     pub(super) fn impossible_field(&self, range_ut: &Range<f64>) -> Option<FitError> {
         let m = self.part(FIELD);
         let field_ut = m.norm();
+        if range_ut.contains(&field_ut) {
+            return None;
+        }
         let doubt_ut = BEYOND_CHANCE * m.dot(&(self.own(FIELD) * m)).max(0.0).sqrt() / field_ut;
         let Range { start: low_ut, end: high_ut } = *range_ut;
         let is_impossible = field_ut + doubt_ut < low_ut || field_ut - doubt_ut > high_ut;
@@ -103,7 +107,7 @@ impl Filter {
     #[inline(always)]
     pub(super) fn correct_soundly<const R: usize>(
         &mut self,
-        gain: SMatrix<f64, STATES, R>,
+        gain: &SMatrix<f64, STATES, R>,
         white: &SVector<f64, R>,
         held: Held<'_>,
     ) {
@@ -155,7 +159,7 @@ impl Parts {
 
     /// W = M^-1, and c = W (raw - b) of a raw sample at its own time, uT. `None` while M has no inverse.
     pub(crate) fn corrected(&self, raw_ut: &Vector3<f64>) -> Option<(Matrix3<f64>, Vector3<f64>)> {
-        let w = self.soft_iron().try_inverse()?;
+        let w = inverse(&self.soft_iron())?;
         Some((w, w * (raw_ut - self.hard_iron)))
     }
 

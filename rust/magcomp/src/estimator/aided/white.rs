@@ -7,6 +7,7 @@
 //! Source: docs/dev/METHOD-AIDED.md.
 
 use crate::math::elementary::gain;
+use crate::math::symmetric::inverse;
 use crate::priors::BEYOND_CHANCE;
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField as _;
@@ -22,8 +23,8 @@ const LEAST_NOISE_UT: f64 = 0.2;
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct White {
     variance_ut2: f64,
-    /// The one before, uT, and the turn since then.
-    pub(super) previous: Option<(Vector3<f64>, Matrix3<f64>)>,
+    /// The one before, uT, and the turn from it to the latest that said nothing.
+    pub(super) previous: Option<(Vector3<f64>, Option<Matrix3<f64>>)>,
 }
 
 impl White {
@@ -52,19 +53,21 @@ impl White {
         tuning: &Tuning,
     ) {
         let Some(raw_ut) = raw_ut else {
-            self.previous = self.previous.map(|(raw_ut, since)| (raw_ut, turn * since));
+            self.previous =
+                self.previous.map(|(raw_ut, since)| (raw_ut, Some(since.map_or(*turn, |since| turn * since))));
             return;
         };
         let (offset_ut, soft_iron) = (x.hard_iron, x.soft_iron());
-        if let (Some((previous, since)), Some(w)) = (self.previous, soft_iron.try_inverse()) {
-            let e = raw_ut - offset_ut - soft_iron * (turn * (since * (w * (previous - offset_ut))));
+        if let (Some((previous, since)), Some(w)) = (self.previous, inverse(&soft_iron)) {
+            let c = w * (previous - offset_ut);
+            let e = raw_ut - offset_ut - soft_iron * (turn * since.map_or(c, |since| since * c));
             let size = e.norm();
             let share = if tuning.noise_learning { gain(dt_s, memory_s) } else { 0.0 };
             let variance = self.variance_ut2;
             self.variance_ut2 += share * ((size * size / 6.0).min(BEYOND_CHANCE.powi(2) * variance) - variance);
             self.variance_ut2 = self.variance_ut2.max(LEAST_NOISE_UT.powi(2));
         }
-        self.previous = Some((*raw_ut, Matrix3::identity()));
+        self.previous = Some((*raw_ut, None));
     }
 }
 

@@ -49,7 +49,7 @@ impl Case {
         let root = self.expected().cholesky().unwrap().unpack();
         let inverse = root.try_inverse().unwrap();
         let mut it = self.prior.clone();
-        it.correct(it.covariance * self.h.transpose() * inverse.transpose(), &(inverse * self.off), held);
+        it.correct(&(it.covariance * self.h.transpose() * inverse.transpose()), &(inverse * self.off), held);
         it
     }
 }

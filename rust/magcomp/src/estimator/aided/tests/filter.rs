@@ -45,7 +45,7 @@ fn positive_definite_over(samples: usize) {
         }
         let sample = world.sample(dt_s);
         let inertial = if k % 7_777 == 0 { PairedInertial::default() } else { sample.inertial };
-        let (_, output) = aided.push(sample.time_ns, sample.raw_ut, &inertial);
+        let (_, output) = aided.told(sample.time_ns, sample.raw_ut, &inertial);
         assert!(output.field_ut.is_none_or(|c| c.iter().all(|v| v.is_finite())));
         if k % 500 == 0 {
             assert_positive_definite(&aided, k);
@@ -67,7 +67,7 @@ fn offset_errors_match_their_covariance() {
             let walk_ut = Tuning::default().offset_walk_ut * 0.01_f64.sqrt();
             world.hard_iron_ut += world.random.vector(walk_ut);
             let sample = world.sample(0.01);
-            aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+            aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
             if k >= 500 && k % 100 == 0 {
                 let (Some(c), Some(p)) = (aided.calibration(), aided.covariance()) else { continue };
                 let error = c.hard_iron_ut() - world.hard_iron_ut;
@@ -88,13 +88,13 @@ fn at_rest_nothing_is_learned_and_a_magnet_is_only_suspected() {
     let mut aided = Aided::new(Tuning::default(), None);
     for _ in 0..2_000 {
         let sample = world.sample(0.01);
-        aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
     }
     world.tumbling_rad_s = 0.0;
     let mut state = Status::Tracking;
     for _ in 0..300 {
         let sample = world.sample(0.01);
-        state = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial).0;
+        state = aided.told(sample.time_ns, sample.raw_ut, &sample.inertial).0;
     }
     assert_eq!(state, Status::Held(HoldReason::AtRest));
     let before = aided.phase.running().unwrap().filter.part(HARD_IRON);
@@ -102,7 +102,7 @@ fn at_rest_nothing_is_learned_and_a_magnet_is_only_suspected() {
     let mut heading_moved = 0.0_f64;
     for _ in 0..1_000 {
         let sample = world.sample(0.01);
-        let (status, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        let (status, output) = aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
         heading_moved = heading_moved.max(output.filtered_field_ut.unwrap().angle(&sample.field_ut).to_degrees());
         state = status;
     }
@@ -119,7 +119,7 @@ fn twenty_minutes_at_rest_leave_no_number_that_is_too_small() {
     for k in 0..120_000 {
         world.tumbling_rad_s = if k < 2_000 { world.tumbling_rad_s } else { 0.0 };
         let sample = world.sample(0.01);
-        aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
     }
     let filter = &aided.phase.running().unwrap().filter;
     let small = |it: &&f64| **it != 0.0 && it.abs() < f64::MIN_POSITIVE;
@@ -133,7 +133,7 @@ fn at_rest_the_hard_iron_walks_on() {
     let spread_ut2 = |world: &mut World, aided: &mut Aided, samples: usize| {
         for _ in 0..samples {
             let sample = world.sample(0.01);
-            aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+            aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
         }
         aided.phase.running().unwrap().filter.variances(HARD_IRON).sum()
     };
@@ -158,7 +158,7 @@ fn the_scale_of_the_gyroscope_is_found() {
                 rotation.increment_rad *= 1.01;
                 rotation.rate_rad_s *= 1.01;
             }
-            aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+            aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
         }
         let filter = &aided.phase.running().unwrap().filter;
         sum += filter.parts().axes.trace() / 3.0;
@@ -180,7 +180,7 @@ fn a_late_gyroscope_is_found_and_f_is_of_its_time() {
             before.push_back((sample.inertial, sample.field_ut));
             let (inertial, field_ut) =
                 if before.len() > late { before.pop_front().expect("so many") } else { Default::default() };
-            let (_, output) = aided.push(sample.time_ns, sample.raw_ut, &inertial);
+            let (_, output) = aided.told(sample.time_ns, sample.raw_ut, &inertial);
             if k >= 3_000 {
                 squares_deg2 += output.filtered_field_ut.unwrap().angle(&field_ut).to_degrees().powi(2);
             }

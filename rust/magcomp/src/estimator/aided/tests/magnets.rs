@@ -30,7 +30,7 @@ fn settled(seed: u64) -> (World, Aided) {
 fn run(world: &mut World, aided: &mut Aided, samples: usize) {
     for _ in 0..samples {
         let sample = world.sample(DT_S);
-        aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
     }
 }
 

@@ -45,7 +45,7 @@ fn without(mechanism: &str) -> (World, Aided) {
 fn run(world: &mut World, aided: &mut Aided, samples: usize) {
     for _ in 0..samples {
         let sample = world.sample(0.01);
-        aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
     }
 }
 
@@ -158,7 +158,7 @@ fn eventful(tuning: Tuning) -> Vec<[f64; 3]> {
             let speeds_up = Vector3::new(3.0, 0.0, 0.0) * (0.5 * t).sin();
             sample.inertial.up_m_s2 = sample.inertial.up_m_s2.map(|up| up + world.attitude.inverse() * speeds_up);
         }
-        let (_, answer) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        let (_, answer) = aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
         if k % 100 == 0 {
             let f = answer.filtered_field_ut.unwrap_or_default();
             let sigma = answer.filtered_covariance_ut2.map_or(0.0, |p| p.trace());

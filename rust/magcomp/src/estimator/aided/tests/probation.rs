@@ -24,7 +24,7 @@ fn run(world: &mut World, aided: &mut Aided, samples: usize) -> Vec<Event> {
     let mut told = Vec::new();
     for _ in 0..samples {
         let (before, sample) = (aided.changes.event, world.sample(0.01));
-        aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
         told.extend(aided.changes.event.filter(|_| aided.changes.event != before));
     }
     told
@@ -181,7 +181,7 @@ fn blank_samples_after_a_pause_tell_no_direction() {
 fn break_chain(world: &mut World, aided: &mut Aided) {
     let mut sample = world.sample(0.01);
     sample.inertial.rotation = None;
-    aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+    aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
 }
 
 /// Magnet after magnet before the first is decided, so that the hypotheses begin anew: what does not fit now is not yet the place's doing.

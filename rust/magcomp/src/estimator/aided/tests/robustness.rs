@@ -32,7 +32,7 @@ fn garbage_never_panics_and_never_comes_out() {
         time_ns = time_ns.saturating_add(if pick < 0.01 { i64::MAX / 2_000_000 } else { (pick * 3e7) as i64 + 1 });
         let rotation =
             (pick > 0.1).then_some(Rotation { increment_rad: increment, rate_rad_s: rate, variance_rad2: 0.0 });
-        let (_, output) = aided.push(time_ns, raw, &PairedInertial { rotation, up_m_s2: Some(up) });
+        let (_, output) = aided.told(time_ns, raw, &PairedInertial { rotation, up_m_s2: Some(up) });
         for v in [output.field_ut, output.filtered_field_ut, output.up].into_iter().flatten() {
             assert!(v.iter().all(|v| v.is_finite()), "sample {k}");
         }
@@ -48,7 +48,7 @@ fn the_gyroscope_comes_and_goes() {
         let sample = world.sample(0.01);
         let gone = (2_500..3_000).contains(&k);
         let inertial = PairedInertial { rotation: sample.inertial.rotation.filter(|_| !gone), ..sample.inertial };
-        let (status, output) = aided.push(sample.time_ns, sample.raw_ut, &inertial);
+        let (status, output) = aided.told(sample.time_ns, sample.raw_ut, &inertial);
         if gone && k > 2_510 {
             assert_eq!(output.mode, SensorMode::GravityOnly);
             assert_eq!(output.filtered_field_ut, None);
@@ -75,7 +75,7 @@ fn a_charger_put_on_slowly_is_learned() {
         let put_on = (f64::from(k - 2_000) / 40.0).clamp(0.0, 1.0);
         world.hard_iron_ut = before + Vector3::new(500.0, -300.0, 200.0) * put_on;
         let sample = world.sample(0.01);
-        let (_, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        let (_, output) = aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
         if k >= 2_500 {
             let error = output.filtered_field_ut.unwrap().angle(&sample.field_ut).to_degrees();
             assert!(error < 5.0, "after the charger: {error} deg at {k}");
@@ -96,7 +96,7 @@ fn a_spike_as_the_first_sample_does_no_harm() {
     for k in 0..1_000 {
         let sample = world.sample(0.01);
         let spike = if k == 0 { Vector3::new(80.0, -60.0, 50.0) } else { Vector3::zeros() };
-        aided.push(sample.time_ns, sample.raw_ut + spike, &sample.inertial);
+        aided.told(sample.time_ns, sample.raw_ut + spike, &sample.inertial);
     }
     let error = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm();
     assert!(error < 2.0 && aided.changes.event.is_none(), "offset wrong by {error} uT, {:?}", aided.changes.event);
@@ -116,7 +116,7 @@ fn a_calibration_from_before_the_device_changed_does_not_last() {
             } else {
                 for _ in 0..2_000 {
                     let sample = world.sample(0.01);
-                    aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+                    aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
                 }
                 world.time_ns += 60_000_000_000;
             }
@@ -126,7 +126,7 @@ fn a_calibration_from_before_the_device_changed_does_not_last() {
                 let sample = world.sample(0.01);
                 let unknown = PairedInertial { rotation: None, ..sample.inertial };
                 let (_, output) =
-                    aided.push(sample.time_ns, sample.raw_ut, if k == 0 { &unknown } else { &sample.inertial });
+                    aided.told(sample.time_ns, sample.raw_ut, if k == 0 { &unknown } else { &sample.inertial });
                 if let Some(f) = output.filtered_field_ut.filter(|_| k >= 700) {
                     worst_deg = worst_deg.max(f.angle(&sample.field_ut).to_degrees());
                 }
@@ -146,7 +146,7 @@ fn a_field_that_no_place_has_is_told() {
         let mut told = 0;
         for k in 0..3_000 {
             let sample = world.sample(0.01);
-            let status = aided.push(sample.time_ns, sample.raw_ut * factor, &sample.inertial).0;
+            let status = aided.told(sample.time_ns, sample.raw_ut * factor, &sample.inertial).0;
             told += usize::from(k >= 1_000 && status.to_string().contains("unit is not microtesla"));
         }
         // a field ten times as strong also looks as if the gyroscope explained nothing, and the start begins anew
@@ -165,7 +165,7 @@ fn rows_without_a_sample_between_those_that_have_one_cost_nothing() {
                 if has_gaps && k % 2 == 1 {
                     aided.carry(sample.time_ns, &sample.inertial);
                 } else {
-                    aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+                    aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
                 }
             }
             let off_ut = (aided.calibration().unwrap().hard_iron_ut() - world.hard_iron_ut).norm();

@@ -29,7 +29,7 @@ fn judge(change: impl Fn(&mut World), each: impl Fn(&mut World)) -> [f64; 3] {
         for k in 0..6_000 {
             each(&mut world);
             let sample = world.sample(0.01);
-            let (_, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+            let (_, output) = aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
             // the device's axes are the gyroscope's
             let axes = &world.gyro_axes;
             let skew = Vector3::from(SKEW.map(|(a, b)| 0.5 * (axes[a] - axes[b])));
@@ -72,7 +72,7 @@ fn a_magnetometer_that_sits_askew_is_told_by_the_motion() {
         for k in 0..4_000 {
             let mut sample = world.sample(0.01);
             sample.inertial.up_m_s2 = sample.inertial.up_m_s2.map(|up| to_device * up);
-            let (_, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+            let (_, output) = aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
             if k < 2_000 {
                 continue;
             }

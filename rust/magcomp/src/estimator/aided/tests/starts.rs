@@ -34,7 +34,7 @@ fn run(world: &mut World, aided: &mut Aided, seconds: f64) -> Run {
     let begin_ns = world.time_ns;
     while ((world.time_ns - begin_ns) as f64) < seconds * 1e9 {
         let sample = world.sample(0.01);
-        let (status, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        let (status, output) = aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
         run.status = status;
         let Some((error, sigma)) = heading_error(&output, &sample) else { continue };
         run.first_s.get_or_insert((world.time_ns - begin_ns) as f64 * 1e-9);
@@ -144,7 +144,7 @@ fn an_uneven_place_is_allowed_for() {
             local_ut = local_ut * 0.99 + world.random.vector(3.0 * (1.0_f64 - 0.99 * 0.99).sqrt());
             world.field_ut = earth_ut + local_ut;
             let sample = world.sample(0.01);
-            let (status, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+            let (status, output) = aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
             answered += i32::from(k >= 500 && output.filtered_field_ut.is_some());
             if !matches!(status, Status::Collecting(_)) {
                 ended_s = ended_s.or(Some(f64::from(k) * 0.01));

@@ -17,7 +17,7 @@ fn settled(seed: u64) -> (World, Aided) {
     let mut aided = Aided::new(Tuning::default(), None);
     for _ in 0..2_500 {
         let sample = world.sample(0.01);
-        let (_, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        let (_, output) = aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
         assert_eq!(output.event, None);
     }
     (world, aided)
@@ -27,7 +27,7 @@ fn run(world: &mut World, aided: &mut Aided, samples: usize) -> (f64, Option<usi
     let (mut worst_deg, mut suspect_at) = (0.0_f64, None);
     for k in 0..samples {
         let sample = world.sample(0.01);
-        let (status, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        let (status, output) = aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
         worst_deg = worst_deg.max(output.filtered_field_ut.unwrap().angle(&sample.field_ut).to_degrees());
         if matches!(status, Status::Suspect { .. } | Status::Disturbed { .. }) {
             suspect_at = suspect_at.or(Some(k));
@@ -39,7 +39,7 @@ fn run(world: &mut World, aided: &mut Aided, samples: usize) -> (f64, Option<usi
 fn run_while(world: &mut World, aided: &mut Aided, samples: usize, mut look: impl FnMut(&World, &Answer, usize)) {
     for k in 0..samples {
         let sample = world.sample(0.01);
-        let (_, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        let (_, output) = aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
         look(world, &output, k);
     }
 }
@@ -81,7 +81,7 @@ fn a_place_step_is_held_and_forgotten() {
         // the truth to be carried is the earth's field: compare with the disturbed one only through b
         for _ in 0..1_000 {
             let sample = world.sample(0.01);
-            aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+            aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
             let moved = (aided.calibration().unwrap().hard_iron_ut() - before).norm();
             assert!(moved < 3.0, "seed {seed}: b moved by {moved} uT");
         }
@@ -105,7 +105,7 @@ fn a_place_that_stays_does_not_turn_the_earths_field_and_its_end_is_seen_at_once
             let (mut worst_sigmas, mut worst_deg, mut sd) = (0.0_f64, 0.0_f64, 0.0);
             for _ in 0..samples {
                 let sample = world.sample(0.01);
-                let (_, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+                let (_, output) = aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
                 let (f, to_device) = (output.filtered_field_ut.unwrap(), world.attitude.inverse());
                 let across = f.cross(&(to_device * Vector3::z())).normalize();
                 let truth = to_device * earth;
@@ -194,7 +194,7 @@ fn a_turn_that_is_lost_in_a_new_place_is_in_the_sigma() {
             });
             world.attitude *= Rotation3::new(Vector3::new(0.2, -0.3, 0.35));
             let sample = world.sample(0.01);
-            aided.push(sample.time_ns, sample.raw_ut, &PairedInertial { rotation, ..sample.inertial });
+            aided.told(sample.time_ns, sample.raw_ut, &PairedInertial { rotation, ..sample.inertial });
             run_while(&mut world, &mut aided, 1_000, |world, output, k| {
                 if k < 300 {
                     return;
@@ -223,7 +223,7 @@ fn a_field_that_turns_with_a_vehicle_is_not_followed_surely() {
             let entered = (k as f64 * 0.005).min(1.0);
             world.field_ut = earth + Rotation3::from_euler_angles(0.0, 0.0, heading_rad) * BODY_UT * entered;
             let sample = world.sample(0.01);
-            let (status, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+            let (status, output) = aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
             let (f, to_device) = (output.filtered_field_ut.unwrap(), world.attitude.inverse());
             let across = f.cross(&(to_device * Vector3::z())).normalize();
             let sd = across.dot(&(output.filtered_covariance_ut2.unwrap() * across)).sqrt();
@@ -260,7 +260,7 @@ fn a_magnet_soon_after_the_first_calibration_is_told_and_relearned() {
     let mut aided = Aided::new(Tuning::default(), None);
     while aided.phase.running().is_none() {
         let sample = world.sample(0.01);
-        aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+        aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
     }
     run(&mut world, &mut aided, 100);
     world.hard_iron_ut += MAGNET_UT;
@@ -294,7 +294,7 @@ fn a_change_in_a_pause_is_found() {
                     sample.inertial.rotation =
                         sample.inertial.rotation.filter(|_| bridged).map(|it| Rotation { variance_rad2: 0.01, ..it });
                 }
-                let (status, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+                let (status, output) = aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
                 let Some(filtered_ut) = output.filtered_field_ut.filter(|_| k > 2_500) else { continue };
                 let error = filtered_ut.angle(&sample.field_ut);
                 let sigma = (output.filtered_covariance_ut2.unwrap().trace() / 2.0).sqrt() / filtered_ut.norm();
@@ -321,7 +321,7 @@ fn a_cover_slid_on_slowly_does_not_take_the_heading_along() {
             world.hard_iron_ut =
                 before + Vector3::new(50.0, -30.0, 20.0) * (f64::from(k - 500) / 1500.0).clamp(0.0, 1.0);
             let sample = world.sample(0.01);
-            let (status, output) = aided.push(sample.time_ns, sample.raw_ut, &sample.inertial);
+            let (status, output) = aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
             let filtered_ut = output.filtered_field_ut.unwrap();
             let error = filtered_ut.angle(&sample.field_ut);
             let sigma = (output.filtered_covariance_ut2.unwrap().trace() / 2.0).sqrt() / filtered_ut.norm();

@@ -43,7 +43,7 @@ fn noise_is_what_samples_differ_by_beyond_the_turn() {
         white.step(Some(&raw_ut), &x, &second, DT_S, tuning.memory_s, &tuning);
         let expected = start_ut2 + share * (seen - start_ut2);
         assert!(close(white.variance_ut2, expected), "{off_ut}: {} for {expected}", white.variance_ut2);
-        assert_eq!(white.previous, Some((raw_ut, Matrix3::identity())));
+        assert_eq!(white.previous, Some((raw_ut, None)));
     }
 }
 
