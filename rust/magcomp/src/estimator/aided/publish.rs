@@ -95,8 +95,7 @@ impl Aided {
     /// c, and f if it is known (uT), in the gauge of the known strength; whether they are finite: else nothing is answered.
     #[inline(always)]
     fn answer(&self, filter: &Filter, c: Gaussian<3>, f: Option<Gaussian<3>>, answer: &mut Answer) -> bool {
-        let is_finite = |it: &Gaussian<3>| (it.mean.sum() + it.covariance.sum()).is_finite();
-        if !is_finite(&c) || !f.iter().all(is_finite) {
+        if !c.is_finite() || !f.iter().all(Gaussian::is_finite) {
             return false;
         }
         let scale = self.scale(filter);
