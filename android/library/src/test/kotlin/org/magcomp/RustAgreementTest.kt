@@ -24,7 +24,7 @@ class RustAgreementTest {
     }
 
     @Test
-    fun `a recording over JNI, as a batch`() {
+    fun `a recording over JNI, as a list`() {
         assertReadings(Compensator().use { it.pushAll(events) })
     }
 
