@@ -30,6 +30,12 @@ import Testing
         await #expect(throws: error) { try await source(text).samples().collected() }
     }
 
+    @Test func rowsBeforeOneThatIsNotInOrderArrive() async throws {
+        var iterator = source("t_s,mx,my,mz\n0,1,2,3\n1,4,5,6\n2,x,8,9\n").samples().makeAsyncIterator()
+        for seconds in 0..<2 { #expect(try await iterator.next()?.timeNs == Int64(seconds) * 1_000_000_000) }
+        await #expect(throws: RecordingSource.FileError.self) { try await iterator.next() }
+    }
+
     @Test func compressedOnesSayWhatToDo() async throws {
         let source = RecordingSource(
             url: repository.appendingPathComponent("tests/recordings/broad_34_attached_magnet_3cm.csv.gz"))
