@@ -1,6 +1,7 @@
 package org.magcomp
 
 import android.hardware.Sensor
+import java.io.ByteArrayOutputStream
 import java.io.File
 import java.math.BigDecimal
 import java.util.concurrent.CopyOnWriteArrayList
@@ -164,30 +165,27 @@ class RecorderTest {
     fun `a process that is killed loses a second, packed or not`() = runBlocking {
         for (name in listOf("r.csv", "r.csv.gz")) {
             val sensors = FakeSensorManager(Sensor.TYPE_MAGNETIC_FIELD_UNCALIBRATED, Sensor.TYPE_GRAVITY, Sensor.TYPE_GYROSCOPE)
+            // a clock by which a second passes from row to row
             val nowNs = AtomicLong()
             val file = folder.resolve(name)
-            val recording = async(Dispatchers.Default) { sensors.source().record(file, 100_000_000) { nowNs.get() } }
+            val recording = async(Dispatchers.Default) { sensors.source().record(file, 100_000_000) { nowNs.addAndGet(1_000_000_000) } }
             sensors.registered(3)
             val phone = Phone(1)
             repeat(1000) { phone.advance(still = false).forEach(sensors::deliver) }
-            // what is there without an end; this clock stands still until all are on their way
+            // what is there without an end
             fun cut(): List<String> {
-                val lines = ArrayList<String>()
+                val text = ByteArrayOutputStream()
                 try {
                     val bytes = file.readBytes().inputStream()
-                    (if (name.endsWith(".gz")) GZIPInputStream(bytes) else bytes).bufferedReader().forEachLine { lines += it }
+                    val unpacked = if (name.endsWith(".gz")) GZIPInputStream(bytes) else bytes
+                    // one by one: a reader would lose what it has read when it is cut off
+                    generateSequence { unpacked.read().takeIf { it >= 0 } }.forEach(text::write)
                 } catch (_: java.io.EOFException) {
                     // cut off
                 }
-                return lines
+                return text.toString().removeSuffix("\n").lines()
             }
-            withTimeout(120_000) {
-                while (cut().size < 1000) {
-                    nowNs.addAndGet(1_000_000_000)
-                    phone.advance(still = false).forEach(sensors::deliver)
-                    delay(5)
-                }
-            }
+            withTimeout(120_000) { while (cut().size < 1000) delay(5) }
             val lines = cut()
             // the last line may be cut, and the first names the sensors
             assertTrue(lines.dropLast(1).drop(2).all { line -> line.count { it == ',' } == 15 }, "whole rows")
@@ -214,8 +212,8 @@ class RecorderTest {
             }
         }
         val mine = Thread.currentThread()
-        noted.record(folder.resolve("r.csv"))
-        assertTrue(threads.single() !== mine)
+        noted.record(folder.resolve("r.csv"), 1000) { 0L.also { threads += Thread.currentThread() } }
+        assertTrue(threads.size > 1 && mine !in threads, "$threads")
     }
 
     @Test
