@@ -103,13 +103,10 @@ impl Known {
 }
 
 impl Answer {
-    /// The same in other axes.
+    /// The same vectors in other axes.
     pub fn turn(&mut self, by: &Matrix3<f64>) {
         for vector in [&mut self.field_ut, &mut self.filtered_field_ut, &mut self.up].into_iter().flatten() {
             *vector = by * *vector;
-        }
-        for covariance in [&mut self.field_covariance_ut2, &mut self.filtered_covariance_ut2].into_iter().flatten() {
-            *covariance = by * *covariance * by.transpose();
         }
         if let Some(carry) = &mut self.carry {
             carry.turn = by * carry.turn * by.transpose();

@@ -72,6 +72,8 @@ pub(crate) struct Aided {
     known_ut: Option<f64>,
     adaptation: Adaptation,
     frame: Frame,
+    /// From the magnetometer's axes to the device's, which gyroscope and accelerometer have.
+    to_device: Matrix3<f64>,
     /// Of what was published after the latest frame, c and f, uT^2.
     covariances: Option<[Matrix3<f64>; 2]>,
     changes: Changes,
@@ -88,6 +90,7 @@ impl Aided {
             known_ut,
             adaptation: Adaptation::new(&tuning),
             frame: Frame::default(),
+            to_device: Matrix3::identity(),
             covariances: None,
             changes: Changes::default(),
             judged: None,
@@ -149,11 +152,6 @@ impl Aided {
             Phase::Starting(first) => first.gyroscope(),
             Phase::Running(it, _) | Phase::Undecided(it, _) => (it.filter.parts().bias, it.filter.parts().axes),
         }
-    }
-
-    /// The turn from the magnetometer's axes to those of the device, 0 while nothing is known, rad.
-    fn misalignment(&self) -> Vector3<f64> {
-        self.phase.known().map_or_else(Vector3::zeros, |filter| filter.parts().misalignment())
     }
 
     /// Covariance of the calibration, order b_x b_y b_z m_xx m_yy m_zz m_xy m_xz m_yz (uT and dimensionless).
@@ -222,9 +220,13 @@ impl Aided {
         answer: &mut Answer,
     ) -> Status {
         let dt_s = self.senses.next(time_ns);
+        // nothing is learned within a frame
+        if self.frame.is_empty() {
+            let misalignment = self.phase.known().map_or_else(Vector3::zeros, |filter| filter.parts().misalignment());
+            self.to_device = Turn::by(&misalignment).rotation;
+        }
         // the accelerometer has the gyroscope's axes
-        let to_device = Turn::by(&self.misalignment()).rotation;
-        let up = paired.up_m_s2.map(|up| to_device.tr_mul(&up));
+        let up = paired.up_m_s2.map(|up| self.to_device.tr_mul(&up));
         let status = if let (Some(rotation), Some(dt_s)) = (&paired.rotation, dt_s) {
             let (taken, noise) = (Taken { time_ns, dt_s, raw_ut, is_blank }, self.process_noise(rotation));
             let step = self.senses.step(&taken, rotation, up, &self.phase, noise, &self.tuning);
@@ -256,7 +258,7 @@ impl Aided {
             status
         };
         (answer.up, answer.event) = (self.senses.motion.up, self.changes.event);
-        answer.turn(&to_device);
+        answer.turn(&self.to_device);
         status
     }
 }

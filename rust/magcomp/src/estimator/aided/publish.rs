@@ -6,7 +6,7 @@
 //! P_f = rho P_mm + G^2 I + A P_kk A^T + A P_km + P_mk A^T + timing + w s^2 I + w (1 - w) (h - m)(h - m)^T
 //! timing = P_tau (w x h)(w x h)^T,   A = -[f]x
 //! ```
-//! k: the misalignment, by which c, f and their covariances are turned to the device's axes in the end (`add`). L, F, rho and G: `adapt`. w, h and s belong to a new place (`earth`); elsewhere f is m; age is how long the sample has waited for the gyroscope.
+//! k: the misalignment, by which all of them are turned to the device's axes. L, F, rho and G: `adapt`. w, h and s belong to a new place (`earth`); elsewhere f is m; age is how long the sample has waited for the gyroscope.
 
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField as _;
@@ -72,7 +72,8 @@ impl Aided {
         // f is a long average: what the place does beyond the model widens P_mm by as much as its density is larger
         let known = filter.own(FIELD) * self.adaptation.factor(&step.noise, step.dt_s, &self.tuning);
         let followed = Matrix3::identity() * self.adaptation.unaveraged_ut2(&self.tuning);
-        [p_c + misaligned, known + elsewhere + followed + misaligned + with_field + with_field.transpose() + timing]
+        let p_f = known + elsewhere + followed + misaligned + with_field + with_field.transpose() + timing;
+        [p_c + misaligned, p_f].map(|p| self.to_device * p * self.to_device.transpose())
     }
 
     /// What is published without a usable rotation: the sample, corrected by the calibration that is kept.
@@ -87,6 +88,7 @@ impl Aided {
             let noise = w * w.transpose() * sigma_ut.powi(2);
             let floor = Matrix3::identity() * self.adaptation.floor_ut2(&self.tuning);
             let p_c = calibration_covariance(&CALIBRATION.view(&filter.covariance), &w, &c) + noise + floor;
+            let p_c = self.to_device * p_c * self.to_device.transpose();
             self.answer(filter, Gaussian { mean: c, covariance: p_c }, None, &mut answer);
         }
         (Status::Held(HoldReason::NoGyroscope), answer)
