@@ -294,7 +294,8 @@ impl Compensator {
         self.state.presence.gaps
     }
 
-    /// M, b and field strength in force, if any.
+    /// M, b and field strength in force, if any, in the magnetometer's axes. With a gyroscope the fields of a reading are turned to the device's besides: a
+    /// magnetometer sits askew in a phone by a degree or two.
     #[must_use]
     pub fn calibration(&self) -> Option<Calibration> {
         self.estimator.known().calibration
