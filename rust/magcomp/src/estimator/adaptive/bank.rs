@@ -40,11 +40,9 @@ const UNKNOWN_DEG: f64 = 8.0;
 pub(super) const LATELY: u64 = 8;
 /// Choice: a window of so many frames that is known is cut to half.
 const KNOWN_FRAMES: u64 = 96;
-/// Choice: a hypothesis with fewer frames runs again twice as often, to get to where it belongs.
-const EXTRA_RUNS_FRAMES: u64 = KNOWN_FRAMES / 2;
-/// Choice: frames from one cold start to the next while nothing is known well: a change that was just seen needs so many before its hypotheses are
-/// known to that.
-const COLD_RETRY_FRAMES: u64 = KNOWN_FRAMES / 2;
+/// Choice: frames that a hypothesis needs to get to where it belongs: till then it runs again twice as often. While nothing is known well, as many lie
+/// between cold starts.
+const YOUNG_FRAMES: u64 = KNOWN_FRAMES / 2;
 
 /// The hypothesis that changes begin from.
 struct Parent {
@@ -151,7 +149,7 @@ impl Bank {
             let surprised = best.is_surprised(&frame, tuning, self.unit_ut);
             let looks = tuning.looks && self.frames.next - self.looked >= LOOK;
             // a cold start is always in the race
-            if tuning.cold_again && unknown && self.frames.next - self.looked >= COLD_RETRY_FRAMES {
+            if tuning.cold_again && unknown && self.frames.next - self.looked >= YOUNG_FRAMES {
                 self.looked = self.frames.next;
                 self.begin_cold(&frame, best.log_joint() + ln(RARE), strength_known, tuning);
             }
@@ -311,7 +309,7 @@ impl Bank {
             if length + 2 >= FRAMES || is_settled {
                 filter.forget(self.frames.next - left_over, &self.frames, tuning, self.unit_ut);
             }
-            let mut tries = if length < EXTRA_RUNS_FRAMES { 4 } else { 2 };
+            let mut tries = if length < YOUNG_FRAMES { 4 } else { 2 };
             while left > 0 && tries > 0 && filter.wants_run() {
                 left -= filter.run(&self.frames, tuning, self.unit_ut) as i64;
                 tries -= 1;

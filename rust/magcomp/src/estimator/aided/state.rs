@@ -58,7 +58,7 @@ pub(crate) type Filter = Gaussian<STATES>;
 /// Index of E_ij in e.
 pub(crate) const ELEMENT: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
 
-/// Numbers of S, by columns, whose halved difference is its skew part about x, y and z.
+/// Mathematics: numbers of S, by columns, whose halved difference is its skew part about x, y and z.
 pub(super) const SKEW: [(usize, usize); 3] = [(5, 7), (6, 2), (1, 3)];
 
 /// Mathematics: share of the soft iron's variance that is left to its trace: none would make P singular, much would untie the gauge.
