@@ -99,7 +99,8 @@ def test_a_bag_is_answered_as_the_recording_is(make, played, expected):
     for it in near:
         (sample,) = [sample for sample in raw if sample.header.stamp == it.header.stamp]
         by_pipeline = scale @ (vector(sample.magnetic_field) - vector(bias.magnetic_field))
-        np.testing.assert_allclose(vector(it.magnetic_field), by_pipeline, atol=2e-6)  # but for the delay, which the field is freed from
+        # but for the delay and the magnetometer's misalignment, of which the field is freed
+        np.testing.assert_allclose(vector(it.magnetic_field), by_pipeline, atol=4e-6)
     b = vector(bias.magnetic_field) * 1e6
     np.testing.assert_allclose([-b[1], b[0], b[2]], calibration.hard_iron_ut, atol=1.0)
     assert unbiased[-1].magnetic_field_covariance[0] == unbiased[-1].magnetic_field_covariance[8] > 0
