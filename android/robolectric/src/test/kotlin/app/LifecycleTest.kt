@@ -85,16 +85,17 @@ abstract class Lifecycles {
         val first = java.util.concurrent.CompletableFuture<org.magcomp.CompassReading>()
         val running = again.start({ it.run() }, object : org.magcomp.HeadingListener {
             override fun onHeading(reading: org.magcomp.CompassReading) {
-                if (reading.headingDeg != null) first.complete(reading)
+                if (reading.headingSigmaDeg?.let { it < 30 } == true) first.complete(reading)
             }
 
             override fun onEnd(error: Exception?) = Unit
         })
         until("registered by the next launch") { phone.listeners.size == 1 }
-        phone.play(3, isTurned = false)
-        until("a heading from the first samples on") { first.isDone }
-        val reading = first.get()
-        assertTrue("${reading.headingSigmaDeg}", reading.headingSigmaDeg!! < 30)
+        // what was kept is taken over when it comes, on a busy machine after the first samples; without it nothing is known of a phone that lies still
+        until("a heading from what was kept") {
+            phone.play(1, isTurned = false)
+            first.isDone
+        }
         running.close()
         again.close()
         until("released by the next launch") { phone.listeners.isEmpty() }
