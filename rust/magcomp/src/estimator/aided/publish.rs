@@ -6,7 +6,8 @@
 //! P_f = rho P_mm + G^2 I + A P_kk A^T + A P_km + P_mk A^T + timing + w s^2 I + w (1 - w) (h - m)(h - m)^T
 //! timing = P_tau (w x h)(w x h)^T,   A = -[f]x
 //! ```
-//! k: the misalignment, by which all of them are turned to the device's axes. L, F, rho and G: `adapt`. w, h and s belong to a new place (`earth`); elsewhere f is m; age is how long the sample has waited for the gyroscope.
+//! k: the misalignment, by which all of them are turned to the device's axes. L, F, rho and G: `adapt`. w, h and s belong to a new place (`earth`);
+//! elsewhere f is m; age is how long the sample has waited for the gyroscope.
 
 #[cfg(not(feature = "std"))]
 use nalgebra::ComplexField as _;

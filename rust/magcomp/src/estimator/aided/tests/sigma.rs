@@ -8,6 +8,7 @@ use super::super::tuning::Tuning;
 use super::simulator::World;
 use crate::estimator::answer::Answer;
 use crate::math::turn::Turn;
+use crate::sensing::pairing::PairedInertial;
 
 /// Squared error of f's direction and the variance told for it, rad^2.
 fn direction(output: &Answer, field_ut: &Vector3<f64>) -> Option<(f64, f64)> {
@@ -89,6 +90,23 @@ fn a_magnetometer_that_sits_askew_is_told_by_the_motion() {
         }
         let is_near = worst_deg[0] < most_deg[0] && worst_deg[1] < most_deg[1];
         assert!(is_near && worst_z < 3.5, "{askew_deg}: {worst_deg:.2?} deg, {worst_z:.1} sigmas");
+
+        // a sample without a gyroscope is told in the same axes, and one after a restart in the magnetometer's, as nothing is known of another device
+        for is_new in [false, true] {
+            let mut sample = world.sample(0.01);
+            let up = to_device * sample.inertial.up_m_s2.unwrap();
+            sample.inertial = PairedInertial { rotation: None, up_m_s2: Some(up) };
+            if is_new {
+                aided.restart(None);
+            }
+            let (_, output) = aided.told(sample.time_ns, sample.raw_ut, &sample.inertial);
+            let off_deg = output.field_ut.map(|it| it.angle(&(to_device * sample.field_ut)).to_degrees());
+            let off_up_deg = output.up.unwrap().angle(&up).to_degrees();
+            assert!(
+                off_deg.is_none_or(|it| it < most_deg[1]) && off_deg.is_none() == is_new && off_up_deg < 1e-4,
+                "{off_deg:?} {off_up_deg}"
+            );
+        }
     }
 }
 
